@@ -163,13 +163,14 @@ static bool find_wrong(const char *line, const char *error, struct cure *c) {
 
 void fix_from_error(status error, struct cures *cures) {
     static const char asks[] = "did you mean '";
-    const char *text = status_text(error), *meant = strstr(text, asks);
+    const char *text = status_text(error), *meant = NULL;
     struct cure c = {.kind = CURE_WORD};
     struct text file = {0};
     size_t length = 0;
     char line[LINE];
+    for (const char *at = text; (at = strstr(at, asks)); at = meant)
+        meant = at + sizeof asks - 1; /* the last: hints stand before */
     if (!meant || cures->n == MOST_CURES || !read_place(text, &c)) return;
-    meant += sizeof asks - 1;
     snprintf(c.to, sizeof c.to, "%.*s", (int)strcspn(meant, "'"), meant);
     status e = text_read(c.path, &file);
     const char *at = e ? NULL : find_line(&file, c.line, &length);

@@ -87,6 +87,14 @@ class Fix(harness.Folder, unittest.TestCase):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertIn("The case is sound.", done.stdout)
 
+    def test_error_and_name(self):
+        """A misnamed file does not hide the word that the error behind it asks for."""
+        case = self.case(both(rename(GRAVITY, "constant/gravity"), CURES["a key in a dictionary"][0]))
+        said = self.check("-fix", case).stdout
+        self.assertIn(f"    + {case}/{GRAVITY}\n", said)
+        self.assertIn("    +     restitution 0.9;\n", said)
+        self.assertIn("makes these changes, and looks for more behind the error.", said)
+
     def test_all(self):
         """-write goes on behind each error, until nothing is left."""
         case = self.case(both(*(CURES[name][0] for name in ("a key", "a model", "a type of a patch", "a class", "a write behind the end")),
