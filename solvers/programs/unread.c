@@ -15,7 +15,7 @@
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 enum { NAME = 256, PATH = 4096 + NAME, MOST_SAID = 20, MOST_SEARCHED = 1 << 20 };
 
-enum folder { CONSTANT, SYSTEM, START, FOLDERS };
+enum folder { CONSTANT, SYSTEM, START, ROOT, FOLDERS }; /* ROOT: the case itself */
 struct known {
     enum folder folder;
     const char *name;
@@ -127,9 +127,9 @@ struct unread { /* what is known of a case, and found in it */
     const char *folder[FOLDERS]; /* names in the case; START: NULL, a run wrote it */
     int n;
     struct found {
-        char path[PATH], meant[PATH], text[1024]; /* meant: another path, or empty */
-        bool certain;                             /* is there no file of that name yet? */
-    } * found;                                    /* [MOST_SAID] */
+        char path[PATH], meant[PATH + 4], text[1024]; /* meant: another path, or empty */
+        bool certain;                                 /* is there no file of that name yet? */
+    } * found;                                        /* [MOST_SAID] */
 };
 
 static bool is_one_of(const char *name, const char *const *names, int n) {
@@ -163,9 +163,16 @@ static bool is_read(const struct unread *u, enum folder folder, const char *name
     return folder == START && !strcmp(u->application, "granularSegregation") && !strcmp(name, "phi");
 }
 
-static bool exists(const char *dir, const char *folder, const char *name) {
+static void join(const struct unread *u, enum folder in, const char *name, char path[PATH]) {
+    if (in == ROOT)
+        snprintf(path, PATH, "%.3700s/%.255s", u->dir, name);
+    else
+        snprintf(path, PATH, "%.3700s/%.200s/%.255s", u->dir, u->folder[in], name);
+}
+
+static bool exists(const struct unread *u, enum folder in, const char *name) {
     char path[PATH];
-    snprintf(path, sizeof path, "%.3900s/%s/%s", dir, folder, name);
+    join(u, in, name, path);
     return field_exists(path);
 }
 
@@ -187,13 +194,13 @@ static bool says(const char *path, const char *word, const char *name) {
 
 static bool is_included(const struct unread *u, const char *name) {
     bool found = false;
-    for (int k = 0; k < FOLDERS && !found; k++) {
+    for (enum folder k = 0; k < ROOT && !found; k++) {
         char path[PATH];
         if (!u->folder[k]) continue;
-        snprintf(path, sizeof path, "%.3900s/%s", u->dir, u->folder[k]);
+        join(u, k, "", path);
         DIR *folder = opendir(path);
         for (struct dirent *e; folder && !found && (e = readdir(folder));) {
-            snprintf(path, sizeof path, "%.3900s/%s/%s", u->dir, u->folder[k], e->d_name);
+            join(u, k, e->d_name, path);
             found = strcmp(e->d_name, name) && says(path, "#include", name);
         }
         if (folder) closedir(folder);
@@ -249,39 +256,50 @@ static void list_ours(enum folder folder, char *text, size_t room) {
     }
 }
 
-static void note(struct unread *u, enum folder in, const char *name, const char *stem) {
+/* Notes a file that nothing reads. `entry` is its whole name, `name` that without .gz, `stem` that up to a dot. */
+static void note(struct unread *u, enum folder in, const char *entry, const char *name, const char *stem) {
     struct found *f = &u->found[u->n];
     enum folder to = in;
     char known[400];
-    snprintf(f->path, sizeof f->path, "%.3900s/%s/%s", u->dir, u->folder[in], name);
+    join(u, in, entry, f->path);
     const char *other = instead(u, f->path, name), *right = is_foreign(name) ? NULL : meant(u, in, name, stem, &to);
-    *f->meant = 0;
-    if (is_foreign(name) && !other) return;
-    if (right) snprintf(f->meant, sizeof f->meant, "%.3900s/%s/%s", u->dir, u->folder[to], right);
-    f->certain = right && !exists(u->dir, u->folder[to], right);
-    list_ours(in, known, sizeof known);
-    if (other)
-        snprintf(f->text, sizeof f->text, "%s; remove the file when that is done", other);
-    else if (right)
-        snprintf(f->text, sizeof f->text, "did you mean '%s/%s'? %s", u->folder[to], right,
-                 f->certain ? "rename it" : "that is there, too: remove one of the two");
-    else if (strcmp(name, stem))
-        return; /* an ending that other tools have */
-    else
-        snprintf(f->text, sizeof f->text, "here lie %s; remove it, or call it %s.txt if it is a note", known, name);
+    if (right ? false : !other && (is_foreign(name) || in == ROOT || strcmp(name, stem) != 0)) return;
     u->n++;
+    *f->meant = 0;
+    if (other) {
+        snprintf(f->text, sizeof f->text, "%s; remove the file when that is done", other);
+    } else if (right) {
+        const char *zip = strcmp(entry, name) ? ".gz" : "", *end = name + strlen(stem);
+        const bool there = exists(u, to, right);
+        join(u, to, right, f->meant);
+        snprintf(f->meant + strlen(f->meant), 4, "%s", zip);
+        f->certain = !there && (!*end || !strcmp(end, ".txt"));
+        snprintf(f->text, sizeof f->text, "did you mean '%s/%s%s'? %s", u->folder[to], right, zip,
+                 there ? "that is there, too: remove one of the two" : "rename it");
+    } else {
+        list_ours(in, known, sizeof known);
+        snprintf(f->text, sizeof f->text, "here lie %s; remove it, or call it %s.txt if it is a note", known, name);
+    }
+}
+
+/* Is the name that of a file which is read from any folder? */
+static bool is_ours(const char *name) {
+    bool found = false;
+    for (int i = 0; i < COUNT(ours); i++) found |= !strcmp(ours[i].name, name);
+    return found;
 }
 
 static void look_at(struct unread *u, enum folder in, const char *entry) {
     char path[PATH], name[NAME], stem[NAME];
     struct stat info;
-    snprintf(path, sizeof path, "%.3900s/%s/%s", u->dir, u->folder[in], entry);
+    join(u, in, entry, path);
     if (u->n == MOST_SAID || is_aside(entry) || stat(path, &info) || !S_ISREG(info.st_mode)) return;
     snprintf(name, sizeof name, "%s", entry);
     if (ends_with(name, ".gz")) name[strlen(name) - 3] = 0;
     snprintf(stem, sizeof stem, "%.*s", (int)strcspn(name, "."), name);
+    if (in == ROOT && !is_ours(name)) return; /* anything else may lie there */
     if (is_read(u, in, name) || is_one_of(name, tools, COUNT(tools)) || is_included(u, entry)) return;
-    note(u, in, name, stem);
+    note(u, in, entry, name, stem);
 }
 
 static int by_name(const void *a, const void *b) {
@@ -292,7 +310,7 @@ static void look_through(struct unread *u) {
     for (enum folder k = 0; k < FOLDERS; k++) {
         char path[PATH];
         if (!u->folder[k]) continue;
-        snprintf(path, sizeof path, "%.3900s/%s", u->dir, u->folder[k]);
+        join(u, k, "", path);
         DIR *folder = opendir(path);
         for (struct dirent *e; folder && (e = readdir(folder));) look_at(u, k, e->d_name);
         if (folder) closedir(folder);
@@ -308,7 +326,7 @@ static status say(struct setup *s, const struct found *f) {
 /* Begins to look through a case that starts from a folder. */
 static status begin(const char *dir, const struct medium_type *type, const char *start, struct unread *u) {
     char stamp[PATH];
-    *u = (struct unread){.dir = dir, .application = type->application, .folder = {"constant", "system", start}};
+    *u = (struct unread){.dir = dir, .application = type->application, .folder = {"constant", "system", start, "."}};
     snprintf(stamp, sizeof stamp, "%.3900s/%s/uniform/time", dir, start);
     if (!access(stamp, F_OK)) u->folder[START] = NULL;
     return allocate(&u->found, MOST_SAID, sizeof *u->found, "names of files");

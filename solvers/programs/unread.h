@@ -6,7 +6,8 @@
 
 #include "solvers/case/case.h"
 
-/* Looks through constant, system and the folder of the start, unless a run wrote that, on the root. Files of known
+/* Looks through constant, system and the folder of the start, unless a run wrote that, on the root; and in the case
+ * itself for files that belong in one of them. Files of known
  * tools, notes, backups and what another file includes are no mistakes. Collective. */
 status unread_warn(struct setup *s);
 

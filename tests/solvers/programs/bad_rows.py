@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The mistakes of test_bad_input.py: what is changed in a sound case, and what the programs must say of it."""
+import gzip
 import os
 import shutil
 
@@ -121,6 +122,14 @@ def append(path, text):
 
 def rename(path, new):
     return lambda case: os.rename(os.path.join(case, path), os.path.join(case, new))
+
+
+def zipped(path, new):
+    def change(case):
+        with open(os.path.join(case, path), "rb") as f, gzip.open(os.path.join(case, new), "wb") as out:
+            out.write(f.read())
+        os.remove(os.path.join(case, path))
+    return change
 
 
 def replace(path, old, new):
@@ -599,6 +608,8 @@ WARNINGS = [
     Row("shaking with a capital", rename(SHAKING, "constant/Shaking"), "unreadFile", "did you mean 'constant/shaking'?", where="constant/Shaking"),
     Row("shaking as a text", rename(SHAKING, "constant/shaking.txt"), "unreadFile", "did you mean 'constant/shaking'?", where="constant/shaking.txt"),
     Row("shaking in another folder", rename(SHAKING, "system/shaking"), "unreadFile", "did you mean 'constant/shaking'?", where="system/shaking"),
+    Row("shaking beside the folders", rename(SHAKING, "shaking"), "unreadFile", "did you mean 'constant/shaking'?", where="shaking"),
+    Row("shaking, zipped", zipped(SHAKING, "constant/shakng.gz"), "unreadFile", "did you mean 'constant/shaking.gz'?", where="constant/shakng.gz"),
     Row("gravity under its own name", both(rename(GRAVITY, "constant/gravity"), remove(SHAKING)), "unreadFile", "did you mean 'constant/g'?",
         where="constant/gravity"),
     Row("a second file", write("constant/granularPropertis", ""), "unreadFile", "did you mean 'constant/granularProperties'? that is there, too",
