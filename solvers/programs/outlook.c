@@ -105,6 +105,12 @@ status outlook_control(struct setup *s, const struct pace *pace) {
                  "say  adjustTimeStep yes;",
                  dict_path(c->dict), line, c->max_delta_t, c->delta_t));
     }
+    if (c->stop_at == STOP_NO_WRITE_NOW)
+        return warn(
+            &s->warnings, WARN_NOTHING_WRITTEN,
+            "%s:%d: stopAt noWriteNow ends the run behind its first step, and nothing is written: it stops a run "
+            "that is going on; to begin one say  stopAt endTime;",
+            dict_path(c->dict), dict_line(c->dict, "stopAt"));
     if (c->stop_at != STOP_END_TIME || !(left > 0)) return OK;
     if (!s->medium->type->event_driven && isfinite(left)) TRY(check_steps(s, pace, dt, left));
     return check_writes(s, c->end_time - s->start.t, s->medium->type->event_driven ? NAN : left);

@@ -13,7 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 from tests.cases import harness
 from tests.solvers.programs import bad_case
 from tests.solvers.programs.bad_meshes import BOX_MESH, CONVERSION, MESH_FILE, RESTART
-from tests.solvers.programs.bad_rows import COMMANDS, CONTROL, DICTIONARIES, FIELDS, HARMLESS, PROPERTIES, WARNINGS, Row
+from tests.solvers.programs.bad_rows import COMMANDS, CONTROL, DICTIONARIES, FIELDS, PROPERTIES, Row
+from tests.solvers.programs.bad_warnings import HARMLESS, WARNINGS
 
 
 def snapshot(folder):
@@ -132,6 +133,21 @@ class BadInput(Folder):
                 said = harness.program("checkCase", case, "-strict").stdout
                 self.assertIn("accepted " + found[0][0], said)
                 self.assertIn("The case is sound.", said)
+
+    def test_every_warning(self):
+        """Each warning that acceptWarnings knows has a row here, or stands in another test."""
+        said = harness.program("granularGas", "-keywords", "-markdown").stdout
+        known = set(re.findall(r"`(\w+)` \| word of acceptWarnings", said))
+        rows = {row.says[0] for row in WARNINGS}
+        self.assertGreater(len(known), 25)
+        self.assertEqual(rows - known, set())
+        texts = ""
+        for folder, _, files in os.walk(os.path.join(harness.SOURCE, "tests")):
+            for name in files:
+                if name.startswith("test_") and name.endswith(".py"):
+                    with open(os.path.join(folder, name)) as f:
+                        texts += f.read()
+        self.assertEqual([name for name in sorted(known - rows) if name not in texts], [])
 
     def test_no_warnings(self):
         """What is no mistake is not warned of."""
