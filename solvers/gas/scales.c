@@ -278,14 +278,12 @@ static status check_shaking(struct setup *s, const struct forces *f, const struc
                     "layer never leaves it (it moves by +-%.3g m); if %g m are meant, say  amplitude %.6g;",
                     dict_path(d), dict_line(d, "amplitude"), p.amplitude, p.way, p.amplitude,
                     p.amplitude * p.amplitude / p.way);
-    const bool faint = p.way < NOTICED * m->diameter;
-    if (!faint && !is_angular(frequency)) return OK;
+    if (!(p.way < NOTICED * m->diameter) && !is_angular(frequency)) return OK;
     return warn(
         &s->warnings, WARN_SHAKING,
-        "%s:%d: frequency %g is in Hz: the plate moves by +-%.3g m%s, %.3g diameters of a grain; if %g rad/s are "
-        "meant, say  frequency %.6g;",
-        dict_path(d), dict_line(d, "frequency"), frequency, p.way, faint ? " only" : "", p.way / m->diameter, frequency,
-        frequency / (2 * PI));
+        "%s:%d: frequency %g is in Hz: the plate moves by +-%.3g m, and grains have a diameter of %g m; if %g rad/s "
+        "are meant, say  frequency %.6g;",
+        dict_path(d), dict_line(d, "frequency"), frequency, p.way, m->diameter, frequency, frequency / (2 * PI));
 }
 
 status scales_forces(struct setup *s, const struct forces *f, const struct material *m) {

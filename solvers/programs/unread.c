@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
+enum { ALIKE = 5 /* letters at the start of two names that then mean the same, as granularProps */ };
 enum { NAME = 256, PATH = 4096 + NAME, MOST_SAID = 20, MOST_SEARCHED = 1 << 20 };
 
 enum folder { CONSTANT, SYSTEM, START, ROOT, FOLDERS }; /* ROOT: the case itself */
@@ -224,7 +225,10 @@ static const char *meant(const struct unread *u, enum folder in, const char *nam
         if (others[i].folder == in && same_letters(others[i].word, name)) return others[i].name;
     for (int i = 0; i < COUNT(ours); i++)
         if (ours[i].folder == in) names[n++] = ours[i].name;
-    return nearest_name(name, names, n);
+    const char *near = nearest_name(name, names, n);
+    for (int i = 0; i < n && !near; i++)
+        if (!strncmp(name, names[i], ALIKE)) near = names[i];
+    return near;
 }
 
 /* Returns what stands in the place of a file of OpenFOAM, or NULL. */

@@ -49,7 +49,7 @@ WARNINGS = [
     Row("amplitude in metres", (SHAKING, "amplitude 3;", "amplitude 0.04;"), "faintShaking", "never leaves it (it moves by +-0.00227 m)",
         "say  amplitude 0.706211;"),
     Row("frequency in rad/s", (SHAKING, "frequency 1;", "frequency 12.57;"), "faintShaking", "is in Hz", "say  frequency 2.00058;"),
-    Row("a plate that no grain notices", (SHAKING, "frequency 1;", "frequency 400;"), "faintShaking", "diameters of a grain"),
+    Row("a plate that no grain notices", (SHAKING, "frequency 1;", "frequency 400;"), "faintShaking", "grains have a diameter of 0.1 m"),
     Row("no cooling by chance", (PROPERTIES, "cooling Haff;", "cooling none;"), "elasticGrains", "say  cooling GarzoDufty;"),
     Row("a threshold above all", (PROPERTIES, "restitution 0.9;", "restitution 0.9; thresholdSpeed 100;"), "elasticGrains",
         "grains fly about at 5 m/s", at="grain\n"),

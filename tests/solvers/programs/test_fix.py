@@ -81,7 +81,7 @@ class Fix(harness.Folder, unittest.TestCase):
 
     def test_missing(self):
         """A file without which nothing can be read is found under its other name."""
-        for wrong, right in (("constant/granularPropertis", PROPERTIES), ("0/alfa", "0/alpha"), ("system/fvshemes", SCHEMES)):
+        for wrong, right in (("constant/granularPropertis", PROPERTIES), ("constant/granularProps", PROPERTIES), ("0/alfa", "0/alpha"), ("system/fvshemes", SCHEMES)):
             with self.subTest(wrong):
                 done = self.check("-fix", "-write", self.case(rename(right, wrong)))
                 self.assertEqual(done.returncode, 0, done.stderr)
