@@ -127,7 +127,9 @@ struct granular_wall {
 OWN_PARAMS_FIT(struct granular_wall);
 #define PARAM_STRUCT struct granular_wall
 static const struct param granular_param[] = {
-    NUMBER("restitution", restitution, REQUIRED, FROM_TO(0, 1), NO_UNIT, "of impacts on the wall"),
+    NUMBER("restitution", restitution, REQUIRED, FROM_TO(0, 1), NO_UNIT,
+           "of impacts on the wall, which JohnsonJacksonSlip calls restitutionCoefficient; that of two grains is in "
+           "grain"),
 };
 #undef PARAM_STRUCT
 
@@ -165,7 +167,8 @@ OWN_PARAMS_FIT(struct rough_wall);
 static const struct param rough_param[] = {
     NUMBER("specularityCoefficient", specularity, REQUIRED, FROM_TO(0, 1), NO_UNIT,
            "mean part of a grain's momentum along the wall that an impact gives to it"),
-    NUMBER("restitutionCoefficient", restitution, REQUIRED, FROM_TO(0, 1), NO_UNIT, "of impacts on the wall"),
+    NUMBER("restitutionCoefficient", restitution, REQUIRED, FROM_TO(0, 1), NO_UNIT,
+           "of impacts on the wall, which granularWall calls restitution; that of two grains is restitution in grain"),
 };
 #undef PARAM_STRUCT
 

@@ -10,7 +10,9 @@
 const struct param grain_param[] = {
     NUMBER("diameter", diameter, REQUIRED_AS("diameter 1e-3;"), FROM_TO(0, 1e30), UNIT(0, 1, 0), "grain diameter"),
     NUMBER("mass", mass, 1, BETWEEN(0, 1e30), UNIT(1, 0, 0), "grain mass; 1: rho counts grains"),
-    NUMBER("restitution", restitution, 1, FROM_TO(0, 1), NO_UNIT, "normal restitution of a collision; 1: elastic"),
+    NUMBER("restitution", restitution, 1, FROM_TO(0, 1), NO_UNIT,
+           "normal restitution when two grains collide; 1: elastic. A wall has its own, in 0.orig: restitution of "
+           "granularWall, restitutionCoefficient of JohnsonJacksonSlip"),
     NUMBER("thresholdSpeed", threshold, 0, FROM_TO(0, 1e30), UNIT(0, 1, -1),
            "impacts with a normal speed below it are elastic: cooling fades, nothing collapses; 0: none are"),
 };

@@ -155,13 +155,16 @@ status trigger_read(struct dict *d, const struct trigger *standard, bool fields_
 }
 
 void control_keywords(struct keywords *k) {
+    char entry[KEYWORD_TEXT];
     keywords_at(k, "system/controlDict", "", NULL);
     for (int i = 0; i < control_table_size; i++) {
         const char *name = control_table[i].name;
         if (!strcmp(name, "purgeWrite")) keywords_params(k, fields_trigger, COUNT(fields_trigger));
         keywords_params(k, &control_table[i], 1);
-        for (int w = 0; w < WARNINGS && !strcmp(name, "acceptWarnings"); w++)
-            keywords_word(k, name, warning_names[w], warning_meanings[w]);
+        for (int w = 0; w < WARNINGS && !strcmp(name, "acceptWarnings"); w++) {
+            snprintf(entry, sizeof entry, "%s (%s);", name, warning_names[w]);
+            keywords_word(k, name, warning_names[w], warning_meanings[w], entry);
+        }
     }
 }
 void trigger_keywords(struct keywords *k) {

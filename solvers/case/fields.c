@@ -47,14 +47,6 @@ static const struct param type_param[] = {
 #define PATCH_DICT   "boundaryField/PATCH"
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
-/* The word of a boundary condition, with the fields that take it. */
-static void boundary_word(struct keywords *k, const struct boundary_type *b) {
-    const bool U = boundary_takes(b, 3), scalars = boundary_takes(b, 1);
-    char about[KEYWORD_TEXT];
-    snprintf(about, sizeof about, "%s: %s", U && scalars ? "scalars, U" : U ? "U" : "scalars", b->model.about);
-    keywords_word(k, "type", b->model.name, about);
-}
-
 static const struct param varying_param[] = {
     NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
           "in place of the values", "expression \"0.3\";"),
@@ -76,6 +68,34 @@ static const struct {
     [BY_RATE] = {"number in kg/s, or table ((t v) (t v) ..)", "0.3", "0.3"},
 };
 
+/* Writes the whole entry of a patch in a file of scalars (components 1) or of U (3). A type with parameters is one that
+ * OpenFOAM does not know: its tools want a value of it in any case. */
+static void patch_entry(char entry[KEYWORD_TEXT], const struct boundary_type *b, int components) {
+    const char *key = boundary_value(b, components);
+    const char *value = components == 1 ? forms[b->giving].scalar : forms[b->giving].vector;
+    snprintf(entry, KEYWORD_TEXT, "type %s;", b->model.name);
+    keywords_entries(entry, b->model.param, b->model.nparam);
+    const size_t used = strlen(entry);
+    if (key)
+        snprintf(entry + used, KEYWORD_TEXT - used, " %s %s;", key, b->model.nparam ? "uniform (0 0 0)" : value);
+    else if (b->model.nparam)
+        snprintf(entry + used, KEYWORD_TEXT - used, " value uniform %s;", components == 1 ? "0.3" : "(0 0 0)");
+}
+
+/* The word of a boundary condition, with the fields that take it and whole entries. */
+static void boundary_word(struct keywords *k, const struct boundary_type *b) {
+    const bool U = boundary_takes(b, 3), scalars = boundary_takes(b, 1);
+    char about[KEYWORD_TEXT], one[KEYWORD_TEXT] = "", other[KEYWORD_TEXT] = "", both[2 * KEYWORD_TEXT];
+    snprintf(about, sizeof about, "%s: %s", U && scalars ? "scalars, U" : U ? "U" : "scalars", b->model.about);
+    if (scalars) patch_entry(one, b, 1);
+    if (U) patch_entry(other, b, 3);
+    snprintf(both, sizeof both, "%s    in U: %s", one, other);
+    keywords_word(k, "type", b->model.name, about,
+                  !U || (scalars && !strcmp(one, other)) ? one
+                  : scalars                              ? both
+                                                         : other);
+}
+
 /* The parameters and values of a boundary condition. */
 static void boundary_keywords(struct keywords *k, const char *file, const struct boundary_type *b) {
     const char *scalar = boundary_value(b, 1), *value = scalar ? scalar : boundary_value(b, 3);
@@ -96,8 +116,8 @@ void fields_keywords(struct keywords *k, const char *file, bool (*offered)(const
     keywords_params(k, field_param, COUNT(field_param));
     keywords_at(k, file, PATCH_DICT, NULL);
     keywords_params(k, type_param, 1);
-    keywords_word(k, "type", "empty", "the axis is not solved; on patches of type empty");
-    keywords_word(k, "type", "cyclic", "periodic; on patches of type cyclic");
+    keywords_word(k, "type", "empty", "the axis is not solved; on patches of type empty", NULL);
+    keywords_word(k, "type", "cyclic", "periodic; on patches of type cyclic", NULL);
     for (int i = 0; i < boundary_count; i++)
         if (!offered || offered(&boundary_table[i])) boundary_word(k, &boundary_table[i]);
     keywords_params(k, type_param + 1, COUNT(type_param) - 1);

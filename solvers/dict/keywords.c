@@ -74,6 +74,25 @@ static void say_example(const struct param *p, char *text) {
     snprintf(text, KEYWORD_TEXT, "%s %s;", p->name, value);
 }
 
+/* Does an entry that begins as `entry` want the row: is it required there, or is its default a value? */
+static bool belongs(const struct param *p, const char *entry) {
+    char standard[64];
+    if (p->kind == PARAM_ONLY || p->kind == PARAM_IGNORED) return false;
+    say_default(p, standard);
+    if (!strncmp(standard, "required for ", 13)) return strstr(entry, standard + 13) != NULL; /* for a word before it */
+    return strstr(standard, "required") || (!p->usual && p->kind != PARAM_NOTED && strcmp(standard, "none"));
+}
+
+void keywords_entries(char entry[KEYWORD_TEXT], const struct param *table, int n) {
+    char example[KEYWORD_TEXT];
+    for (int i = 0; i < n; i++) {
+        if (!belongs(&table[i], entry)) continue;
+        say_example(&table[i], example);
+        const size_t used = strlen(entry);
+        snprintf(entry + used, KEYWORD_TEXT - used, "%s%s", used ? " " : "", example);
+    }
+}
+
 /* ---- the walk ---- */
 
 static struct keyword keyword_at(const struct keywords *k) {
@@ -102,18 +121,30 @@ void keywords_params(struct keywords *k, const struct param *table, int n) {
     }
 }
 
-void keywords_word(struct keywords *k, const char *name, const char *word, const char *meaning) {
+void keywords_word(struct keywords *k, const char *name, const char *word, const char *meaning, const char *entry) {
     struct keyword row = keyword_at(k);
     row.name = name;
     row.word = word;
     row.meaning = meaning;
     snprintf(row.type, sizeof row.type, "word of %s", name);
-    snprintf(row.example, sizeof row.example, "%s %s;", name, word);
+    if (entry)
+        snprintf(row.example, sizeof row.example, "%s", entry);
+    else
+        snprintf(row.example, sizeof row.example, "%s %s;", name, word);
     k->take(k->context, &row);
 }
 
 void keywords_words(struct keywords *k, const char *name, const char *const *words, const char *const *meanings) {
-    for (int i = 0; words[i]; i++) keywords_word(k, name, words[i], meanings[i]);
+    for (int i = 0; words[i]; i++) keywords_word(k, name, words[i], meanings[i], NULL);
+}
+
+/* The word of a row of a family, with its dictionary of parameters. */
+static void family_word(struct keywords *k, const struct family *f, const struct model *m) {
+    char inside[KEYWORD_TEXT] = "", entry[2 * KEYWORD_TEXT];
+    keywords_entries(inside, m->param, m->nparam);
+    const size_t used = (size_t)snprintf(entry, sizeof entry, f->list ? "%s (%s);" : "%s %s;", f->key, m->name);
+    if (*inside) snprintf(entry + used, sizeof entry - used, " %sCoeffs { %s }", m->name, inside);
+    keywords_word(k, f->key, m->name, m->about, entry);
 }
 
 void keywords_family(struct keywords *k, const struct family *f) {
@@ -138,10 +169,10 @@ void keywords_family(struct keywords *k, const struct family *f) {
                            : "none");
     snprintf(row.example, sizeof row.example, f->list ? "%s (%s);" : "%s %s;", f->key, shown);
     k->take(k->context, &row);
-    if (f->none) keywords_word(k, f->key, "none", f->none);
+    if (f->none) keywords_word(k, f->key, "none", f->none, NULL);
     for (int i = 0; i < *f->count; i++) {
         const struct model *m = family_row(f, i);
-        if (m) keywords_word(k, f->key, m->name, m->about);
+        if (m) family_word(k, f, m);
     }
 }
 

@@ -15,7 +15,7 @@ struct keyword {
     const struct param *row; /* the row of the table that says so; NULL: a family's keyword or word */
     const char *meaning;
     char type[KEYWORD_TEXT]; /* as a user writes it, with the words of a choice: "word: ascii, binary" */
-    char unit[64], range[64], standard[64], example[KEYWORD_TEXT];
+    char unit[64], range[64], standard[64], example[2 * KEYWORD_TEXT];
 };
 
 /* A walk through the rows of a program: `take` is called for each row; file, dict and when are the place that the walk
@@ -34,8 +34,10 @@ void keywords_params(struct keywords *k, const struct param *table, int n);
  * file (or `sub`) that the family names. */
 void keywords_family(struct keywords *k, const struct family *f);
 void keywords_coeffs(struct keywords *k, const struct family *f);
-/* A word that the keyword `name` takes. */
-void keywords_word(struct keywords *k, const char *name, const char *word, const char *meaning);
+/* A word that the keyword `name` takes; entry: the whole entry as a user writes it, NULL: "NAME WORD;". */
+void keywords_word(struct keywords *k, const char *name, const char *word, const char *meaning, const char *entry);
+/* Adds to an entry the examples of the rows that it needs, and those of the rows whose default is a value. */
+void keywords_entries(char entry[KEYWORD_TEXT], const struct param *table, int n);
 /* All of a list that ends with NULL. */
 void keywords_words(struct keywords *k, const char *name, const char *const *words, const char *const *meanings);
 

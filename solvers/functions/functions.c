@@ -56,6 +56,14 @@ static const struct param any_param[] = {
 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
+/* The word of a type, with a whole function object of that type; fields: the entry for those that it takes. */
+static void type_word(struct keywords *k, const struct function_type *t, const char *fields) {
+    char entry[KEYWORD_TEXT];
+    snprintf(entry, sizeof entry, "type %s;%s%s", t->name, t->no_fields ? "" : " ", t->no_fields ? "" : fields);
+    keywords_entries(entry, t->param, t->nparam);
+    keywords_word(k, "type", t->name, t->about, entry);
+}
+
 void functions_keywords(struct keywords *k, const struct medium_type *m) {
     char type[KEYWORD_TEXT] = "list of words", entry[80];
     for (int i = 0; i < m->noffered; i++)
@@ -68,7 +76,7 @@ void functions_keywords(struct keywords *k, const struct medium_type *m) {
     keywords_at(k, FUNCTION_FILE, FUNCTION_DICT, NULL);
     keywords_params(k, first, 1);
     for (int i = 0; i < TYPES; i++)
-        if (fits(function_table[i], m)) keywords_word(k, "type", function_table[i]->name, function_table[i]->about);
+        if (fits(function_table[i], m)) type_word(k, function_table[i], entry);
     keywords_params(k, first + 1, 1);
     trigger_keywords(k);
     keywords_params(k, any_param, COUNT(any_param));

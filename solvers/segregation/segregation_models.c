@@ -358,7 +358,12 @@ void segregation_models_keywords(struct keywords *k) {
     keywords_at(k, "system/fvSolution", "", NULL);
     keywords_params(k, solution_param, COUNT(solution_param));
     fields_keywords(k, "0.orig/phi", no_boundary);
-    keywords_words(k, "type", phi_types, phi_about);
+    for (int i = 0; phi_types[i]; i++) {
+        char entry[KEYWORD_TEXT];
+        snprintf(entry, sizeof entry, "type %s;", phi_types[i]);
+        if (!strcmp(phi_types[i], "fixedValue")) keywords_entries(entry, phi_param, COUNT(phi_param));
+        keywords_word(k, "type", phi_types[i], phi_about[i], entry);
+    }
     keywords_at(k, k->file, k->dict, "fixedValue");
     keywords_params(k, phi_param, COUNT(phi_param));
     fields_keywords(k, "0.orig/U", of_velocity);

@@ -72,6 +72,8 @@ static void test_errors(void **state) {
     refused("diameter 1e-3;\nrestitution 1.2;", "T:2:", "restitution is 1.2; allowed is 0 .. 1");
     refused("diameter 0;", "T:1:", "excluded");
     refused("\nrough on;", "T:1:", "'diameter' is missing (of a grain)");
+    refused("\n\ndiameterOfGrains 0.5;", "T:3:", "this line has 'diameterOfGrains': did you mean 'diameter'?");
+    refused("rough on;\ndiam 0.5;", "T:2:", "this line has 'diam': did you mean 'diameter'?");
     refused("diameter [0 2 0 0 0 0 0] 0.5;", "T:1:", "[0 1 0 0 0 0 0]");
     refused("diameter 0.5; axis (1 2 11);", "T:1:", "axis is 11");
     refused("diameter 0.5;\ncount 2.5;", "T:2:", "whole");
