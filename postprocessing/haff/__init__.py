@@ -14,6 +14,17 @@ haff.studies the studies behind the figures and reports of the papers
 
 `python3 -m haff -help` lists what can be called from the command line.
 """
+import importlib.util
+import os
+import sys
+
+from haff.paths import lacking
+
+if importlib.util.find_spec("numpy") is None:
+    if os.path.basename(sys.argv[0]).startswith(("-m", "haff", "newCase")):
+        sys.exit("haff: " + lacking("numpy"))  # a command ends in a sentence
+    raise ImportError(lacking("numpy"))
+
 from haff.case.case import Case, is_time, number
 from haff.case.entries import EntryError
 from haff.case.foam import FoamFile, FormatError, read_bytes, read_field

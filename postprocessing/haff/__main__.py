@@ -9,7 +9,7 @@ import os
 import runpy
 import sys
 
-from haff.command import version_text
+from haff import command
 
 COMMANDS = {
     "newCase": ("start.newCase", "a new case around a geometry of gmsh; also called newCase"),
@@ -59,7 +59,7 @@ def main():
         print(listing())
         return 0
     if name in ("-version", "--version"):
-        print(version_text("haff"))
+        print(command.version_text("haff"))
         return 0
     if name not in COMMANDS:
         import difflib
@@ -67,8 +67,8 @@ def main():
         print(f"haff: there is no command '{name}'{f'; did you mean {near[0]}?' if near else ''}  (haff -help lists them)", file=sys.stderr)
         return 2
     sys.argv = [called if called in (name, f"haff{name}") else f"haff {name}", *words]
-    runpy.run_module(f"haff.{COMMANDS[name][0]}", run_name="__main__")
-    return 0
+    command.Reading.watch(words)
+    return command.ended(sys.argv[0], lambda: runpy.run_module(f"haff.{COMMANDS[name][0]}", run_name="__main__") and 0)
 
 
 if __name__ == "__main__":

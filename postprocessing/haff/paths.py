@@ -1,10 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the programs of haff and its source tree are."""
+import difflib
 import os
 import shutil
 import sys
 
 TOP = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")))
+
+
+def lacking(module):
+    """What a user is told whose Python has no such module: which Python to take, or how this one gets it."""
+    other = "/usr/bin/python3"
+    take = f"take {other}, or  " if os.path.exists(other) and os.path.realpath(other) != os.path.realpath(sys.executable) else f"apt-get install python3-{module}, or  "
+    return f"{sys.executable} has no {module}, which haff needs: {take}{sys.executable} -m pip install {module}"
+
+
+def suggestion(word, known):
+    """"; did you mean NAME?" of the known name that is nearest to a word, whatever its capitals; "" where none is near."""
+    names = {name.lower(): name for name in known}
+    near = difflib.get_close_matches(word.lower(), names, 1, 0.4)
+    return f"; did you mean {names[near[0]]}?" if near else ""
 
 
 def folder_of_programs():

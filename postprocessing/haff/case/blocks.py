@@ -10,6 +10,7 @@ import math
 import operator
 import os
 import re
+import shlex
 
 import numpy as np
 
@@ -113,6 +114,8 @@ class BlockMesh(Mesh):
             self._read()
         except FormatError as e:
             raise FormatError(f"{path}: {e}") from None
+        except KeyError as e:
+            raise FormatError(f"{path}: there is no entry '{e.args[0]}'") from None
         except (ValueError, IndexError, TypeError, SyntaxError, entries.EntryError) as e:
             raise FormatError(f"{path}: it cannot be read ({e})") from None
 
@@ -309,4 +312,9 @@ class BlockMesh(Mesh):
 def mesh_of(case):
     """The Mesh of constant/polyMesh or, without one, of system/blockMeshDict."""
     folder, blocks = os.path.join(case, "constant", "polyMesh"), os.path.join(case, "system", "blockMeshDict")
-    return BlockMesh(blocks) if not os.path.isdir(folder) and os.path.isfile(blocks) else Mesh(folder)
+    if not os.path.isdir(folder) and os.path.isfile(blocks):
+        return BlockMesh(blocks)
+    try:
+        return Mesh(folder)
+    except FileNotFoundError as e:
+        raise FileNotFoundError(f"{case} has no mesh ({e.filename} is missing): make it by  gmshToCase mesh.msh -case {shlex.quote(case)}, or by the case's Allrun") from None

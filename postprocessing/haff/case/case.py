@@ -8,6 +8,7 @@ import numpy as np
 
 from haff.case import blocks, foam, sample, tables, units
 from haff.case.foam import Field, read_field
+from haff.paths import suggestion
 
 
 def is_time(name):
@@ -24,6 +25,9 @@ class Case:
     """
 
     def __init__(self, path):
+        if not os.path.isdir(path):
+            folder = os.path.dirname(os.path.abspath(path))
+            raise FileNotFoundError(f"{path}: no such folder" + suggestion(os.path.basename(path), os.listdir(folder) if os.path.isdir(folder) else []))
         if not os.path.isdir(os.path.join(path, "system")):
             raise FileNotFoundError(f"{path} is no case directory (it has no folder 'system')")
         self.path = path
@@ -61,8 +65,9 @@ class Case:
         return found.volumes() if found else self._geometry[1]
 
     def time(self, value):
-        """The name of the time nearest to a number."""
-        return min(self._some_times(), key=lambda name: abs(float(name) - value))
+        """The name of the time nearest to a number; of the last time for None."""
+        found = self._some_times()
+        return found[-1] if value is None else min(found, key=lambda name: abs(float(name) - value))
 
     def _some_times(self):
         found = self.times
@@ -71,7 +76,7 @@ class Case:
         return found
 
     def _time(self, time):
-        return self._some_times()[-1] if time is None else time if isinstance(time, str) else self.time(time)
+        return time if isinstance(time, str) else self.time(time)
 
     # ---- fields ----
 
@@ -86,7 +91,16 @@ class Case:
         return read_field(self._field_path(name, time), self.mesh.cells)
 
     def _field_path(self, name, time):
-        return os.path.join(self.path, self._time(time), name)
+        time = self._time(time)
+        path = os.path.join(self.path, time, name)
+        if os.path.isfile(path) or os.path.isfile(path + ".gz"):
+            return path
+        if not os.path.isdir(os.path.dirname(path)):
+            raise FileNotFoundError(f"{self.path} has no time '{time}'; its times are: {', '.join(self.times) or 'none'}")
+        if os.path.isdir(path):
+            raise foam.FormatError(f"{path} is a folder, and no field: rename or remove it")
+        known = self.fields(time)
+        raise FileNotFoundError(f"{self.path} has no field '{name}' at time {time}{suggestion(name, known)} (fields there: {', '.join(known) or 'none'})")
 
     @functools.cached_property
     def units(self):
@@ -106,7 +120,7 @@ class Case:
         such patch, or the file no entry for it.
         """
         if patch not in self.mesh.patches:
-            raise KeyError(f"{self.path} has no patch '{patch}'; its patches are: {', '.join(self.mesh.patches)}")
+            raise KeyError(f"{self.path} has no patch '{patch}'{suggestion(patch, self.mesh.patches)} (patches: {', '.join(self.mesh.patches)})")
         kind, first, count = self.mesh.patches[patch]
         field = Field(self._field_path(name, time))
         if kind == "empty":

@@ -10,6 +10,7 @@ import gzip
 import os
 import re
 import warnings
+import zlib
 
 import numpy as np
 
@@ -50,7 +51,10 @@ def read_buffer(path):
     path = located(path)
     with open(path, "rb") as f:
         if path.endswith(".gz"):
-            return gzip.decompress(f.read())
+            try:
+                return gzip.decompress(f.read())
+            except (OSError, EOFError, zlib.error) as e:
+                raise FormatError(f"{path}: it cannot be unzipped ({e})") from None
         head = f.read(HEADER_WITHIN)
         first = FIRST_LIST.search(head)
         room = np.empty(os.fstat(f.fileno()).st_size + 8, np.uint8)
@@ -143,7 +147,10 @@ def read_head(path):
     """The first HEADER_WITHIN bytes of a file, unzipped: header and dimensions, whatever the size of the rest."""
     path = located(path)
     with (gzip.open if path.endswith(".gz") else open)(path, "rb") as f:
-        return f.read(HEADER_WITHIN)
+        try:
+            return f.read(HEADER_WITHIN)
+        except (gzip.BadGzipFile, EOFError, zlib.error):
+            return b""
 
 
 def class_of(path):

@@ -25,27 +25,47 @@ class Mesh:
         text = FoamFile(self._path("boundary")).body.decode()
         for name, entries in re.findall(r"(\S+)\s*\{(.*?)\}", text, re.S):
             value = dict(re.findall(r"(\w+)\s+([^;]*);", entries))
-            self.patches[name] = (value["type"], int(value["startFace"]), int(value["nFaces"]))
+            try:
+                self.patches[name] = (value["type"], int(value["startFace"]), int(value["nFaces"]))
+            except (KeyError, ValueError):
+                raise self.wrong("boundary", f"patch {name} needs a type and the whole numbers nFaces and startFace") from None
 
     def _path(self, name):
         return os.path.join(self.folder, name)
 
+    def wrong(self, name, why):
+        """The error of a file of the mesh."""
+        return FormatError(f"{self._path(name)}: {why}; the mesh is damaged: make it again (gmshToCase, or the case's Allrun)")
+
     def _labels(self, name):
         f = FoamFile(self._path(name))
-        return f.numbers(0, 1, f.label)[0]
+        found = f.numbers(0, 1, f.label)[0]
+        if len(found) and found.min() < 0:
+            raise self.wrong(name, f"entry {int(found.argmin())} is {found.min()}, and cells are counted from 0")
+        return found
 
     @functools.cached_property
     def points(self):
         f = FoamFile(self._path("points"))
-        return f.numbers(0, 3, f.scalar)[0].astype(float, copy=False)
+        found = f.numbers(0, 3, f.scalar)[0].astype(float, copy=False)
+        if not np.isfinite(found).all():
+            raise self.wrong("points", f"point {int(np.flatnonzero(~np.isfinite(found).all(axis=1))[0])} is no number")
+        return found
 
     @functools.cached_property
     def owner(self):
-        return self._labels("owner")
+        found = self._labels("owner")
+        for name, (_, first, count) in self.patches.items():
+            if first < 0 or count < 0 or first + count > len(found):
+                raise self.wrong("boundary", f"patch {name} has the faces {first} to {first + count - 1}, and the file owner has {len(found)} faces")
+        return found
 
     @functools.cached_property
     def neighbour(self):
-        return self._labels("neighbour")
+        found = self._labels("neighbour")
+        if len(found) > len(self.owner):
+            raise self.wrong("neighbour", f"{len(found)} faces, and the file owner has {len(self.owner)}")
+        return found
 
     @functools.cached_property
     def cells(self):
@@ -53,7 +73,14 @@ class Mesh:
 
     @functools.cached_property
     def _faces(self):
-        return self.read_faces(self._path("faces"))
+        start, points = self.read_faces(self._path("faces"))
+        if len(start) != len(self.owner) + 1:
+            raise self.wrong("faces", f"{len(start) - 1} faces, and the file owner has {len(self.owner)}")
+        if start[0] != 0 or start[-1] != len(points) or (np.diff(start) < 3).any():
+            raise self.wrong("faces", "a face has fewer than three points")
+        if len(points) and not 0 <= points.min() <= points.max() < len(self.points):
+            raise self.wrong("faces", f"there is a point {points.max() if points.min() >= 0 else points.min()}, and the file points has {len(self.points)}")
+        return start, points
 
     @property
     def face_start(self):

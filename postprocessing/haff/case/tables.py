@@ -13,6 +13,8 @@ import re
 
 import numpy as np
 
+from haff.paths import suggestion
+
 CELL = re.compile(r"\(([^()]*)\)|(\S+)")
 PARTS = {3: "xyz", 6: ("xx", "xy", "xz", "yy", "yz", "zz")}
 
@@ -118,11 +120,13 @@ def file_of(folder, file):
     have = files_of(folder)
     if not have:
         above = ", ".join(there(os.path.dirname(folder))) or "none"
-        raise FileNotFoundError(f"{folder} has no tables; function objects that have some: {above}")
+        meant = suggestion(os.path.basename(folder), there(os.path.dirname(folder)))
+        raise FileNotFoundError(f"{folder} has no tables{meant or ';'} function objects that have some: {above}")
     if file is None and len(have) == 1:
         return have[0]
     if file not in have:
-        raise FileNotFoundError(f"{folder}: {'which file?' if file is None else f'there is no {file};'} The files are: {', '.join(have)}")
+        what = "which file?" if file is None else f"there is no {file}{suggestion(file, have) or ';'}"
+        raise FileNotFoundError(f"{folder}: {what} The files are: {', '.join(have)}")
     return file
 
 

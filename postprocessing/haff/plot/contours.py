@@ -16,6 +16,8 @@ def lattice(case, values):
     centre = np.round(case.centres[:, :2], 9)
     x, i = np.unique(centre[:, 0], return_inverse=True)
     y, j = np.unique(centre[:, 1], return_inverse=True)
+    if min(len(x), len(y)) < 2:
+        raise ValueError(f"{case.path}: contours want two dimensions, and the mesh has {len(x)} x {len(y)} cells; haffPlot draws any case")
     grid = np.full((len(y), len(x)), np.nan)
     grid[j, i] = values
     return x, y, grid
@@ -47,7 +49,11 @@ def draw(axes, case, time, window, levels=30, name="alpha"):
     """Contours in window = (x0, x1, y0, y1): tinted, with lines; holes are grey, walls are thick."""
     from matplotlib.collections import LineCollection
     values = case.field(name, time)
+    if not np.isfinite(values).all():
+        raise ValueError(f"{case.path}: {name} at time {time} is no number in {int((~np.isfinite(values)).sum())} cells; take a sound time, or haffPlot, which leaves them blank")
     x, y, grid = lattice(case, values)
+    if np.ptp(values) == 0:
+        raise ValueError(f"{case.path}: {name} is {values[0]:g} in all cells at time {time}, and has no contours")
     steps = np.linspace(values.min(), values.max(), levels + 1)
     around = to_walls(x, y, grid)
     tint = axes.contourf(*around, steps, cmap="Blues", alpha=0.8)
@@ -64,7 +70,7 @@ def figure(cases, path):
     n = len(cases)
     fig, axes = figures.panels(2 if n > 1 else 1, max(n, 2), width=7.4, height=3.5)
     for pair, case in zip(axes.T if n > 1 else axes, cases):
-        time = case.times[-1]
+        time = case.time(None)
         tint = draw(pair[0], case, time, (0, 10, 0, 10))
         pair[0].set_title(rf"$t$ = {time} s, $\alpha_\mathrm{{max}}$ = {case.field('alpha', time).max():.4f}", fontsize=9)
         draw(pair[1], case, time, (3.5, 6.5, 3.5, 6.5))

@@ -17,6 +17,7 @@ import time
 
 import numpy as np
 
+from haff import command
 from haff.plot import figures, options, runlog
 
 EXTREMES = (("alphaMin", "alphaMax"), ("phiMin", "phiMax"), ("TMin", "TMax"), ("T", None), ("magUMax", None), ("MaMax", None))
@@ -257,7 +258,7 @@ def main():
         parser.error(f"-o {o.o}: pictures are .png, .pdf or .svg")
     if not 0.05 <= o.every <= 86400:
         parser.error(f"-every {o.every:g}: 0.05 to 86400 seconds")
-    return options.ended("haffLog", lambda: work(o))
+    return command.ended("haffLog", lambda: work(o))
 
 
 def work(o):

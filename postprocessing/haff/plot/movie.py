@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 
+from haff import command
 from haff.plot import figures, options, picture, quantity
 from haff.plot.scale import common
 from haff.plot.wish import times_with_results
@@ -131,7 +132,7 @@ def main():
         parser.error(f"-fps {o.fps:g}: 0.1 to 50")
     wish = options.wish(parser, o, [o.field])
     wish.dpi = o.dpi if o.dpi != 150 or wish.size else 100
-    return options.ended("haffMovie", lambda: film(o.case, wish, o.o, o.fps))
+    return command.ended("haffMovie", lambda: film(o.case, wish, o.o, o.fps))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 """The command lines of haffPlot and haffMovie: options, what is wrong with them, and where a picture goes without -o."""
 import os
 import re
-import sys
 
 import haff
 from haff import command
@@ -121,18 +120,6 @@ def output(case, given, names, suffix):
 def space_of(path):
     """The Space of the case in a folder."""
     return Space(haff.Case(path))
-
-
-def ended(name, work):
-    """The exit code of a command's work: 1 and a message for a case that cannot be drawn."""
-    try:
-        work()
-    except BrokenPipeError:
-        return 1
-    except (quantity.CannotDraw, haff.FormatError, ValueError, OSError) as e:
-        print(f"{name}: {e}", file=sys.stderr)
-        return 1
-    return 0
 
 
 def parser(text):

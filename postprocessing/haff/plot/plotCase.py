@@ -19,6 +19,7 @@ cannot be drawn.
 """
 import sys
 
+from haff import command
 from haff.plot import figures, options, picture, quantity
 from haff.plot.wish import chosen_times
 
@@ -59,7 +60,7 @@ def main():
     if o.o and not o.o.lower().endswith(tuple("." + f for f in figures.FORMATS)):
         parser.error(f"-o {o.o}: pictures are .png, .pdf or .svg")
     wish = options.wish(parser, o, o.fields)
-    return options.ended("haffPlot", lambda: plot(o.case, wish, o.o))
+    return command.ended("haffPlot", lambda: plot(o.case, wish, o.o))
 
 
 if __name__ == "__main__":

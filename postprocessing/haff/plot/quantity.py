@@ -10,6 +10,7 @@ import difflib
 import gzip
 import os
 import re
+import zlib
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def head(path):
     try:
         with opened(path, "rb") as f:
             return f.read(HEAD).decode("latin-1")
-    except OSError:
+    except (OSError, EOFError, zlib.error):
         return ""
 
 

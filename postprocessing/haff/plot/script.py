@@ -58,7 +58,7 @@ def main():
     if not os.path.isfile(path):
         sys.exit(f"haff figure: {case} has no figure.py; haffPlot draws any case")
     sys.argv = [path, *sys.argv[2:]]
-    runpy.run_path(path, run_name="__main__")
+    sys.exit(command.ended(f"haff figure {case}", lambda: runpy.run_path(path, run_name="__main__") and 0))
 
 
 if __name__ == "__main__":

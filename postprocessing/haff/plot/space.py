@@ -80,11 +80,7 @@ def basis(normal):
 class Space:
     def __init__(self, case):
         self.case = case
-        try:
-            self.mesh = case.mesh
-        except FileNotFoundError as e:
-            raise CannotDraw(f"{case.path} has no mesh ({e.filename} is missing): make it by  gmshToCase mesh.msh -case {case.path}, "
-                             f"or by the case's Allrun") from None
+        self.mesh = case.mesh
         self.lattice = case.lattice()
         if self.lattice:
             self.low = np.array([e[0] for e in self.lattice.edges])

@@ -25,7 +25,7 @@ def main():
     try:
         found = compare(o.case, o.other, o.fields or None, times=o.times, figure=o.o)
     except (ValueError, FileNotFoundError) as why:
-        sys.exit(f"haff compare: {why}")
+        sys.exit(f"haff compare: {command.message(why)}")
     if o.csv:
         found.write(o.csv)
     show = lambda v: v if isinstance(v, str) else f"{v:.4g}"

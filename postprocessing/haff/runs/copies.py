@@ -213,11 +213,16 @@ def read_json(path):
             return json.load(f)
     except FileNotFoundError:
         return None
+    except ValueError as e:
+        raise ChangedCase(f"{path} is no JSON ({e}): remove it, or the whole folder, and the command makes it anew") from None
 
 
 def notes(folder):
     """What run.json of a folder says, or None."""
-    return read_json(os.path.join(folder, NOTES))
+    found = read_json(os.path.join(folder, NOTES))
+    if found is not None and not (isinstance(found, dict) and {"case", "changes", "mesh", "base", "state"} <= found.keys()):
+        raise ChangedCase(f"{os.path.join(folder, NOTES)} does not say of which case and entries the run is: remove it, or the whole folder, and the command makes it anew")
+    return found
 
 
 def keep(folder, **values):

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compares a finished case with its expected.json.
 
-    haff expected CASE        prints one line per value, exit code 1 if one is outside its tolerance or missing
+    haff expected CASE         prints one line per value, exit code 1 if one is outside its tolerance or missing
+    haff expected CASE -make   writes expected.json of a case that has none: least, greatest and sum of its fields at its last time, so that a
+                               change is noticed (tolerance: a hundredth of the field's range; edit what you know better)
 
 An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
@@ -27,7 +29,7 @@ from haff import command
 from haff.exact import obliqueShock
 from haff.exact.eos import GoldshteinShapiro, PerfectGas
 from haff.exact.riemann import BLAST, Riemann
-from haff.paths import TOP
+from haff.paths import TOP, suggestion
 from haff.plot import cellmap
 from haff.studies import bunches, clustering, columns, faraday, shocks
 
@@ -233,12 +235,34 @@ QUANTITIES = {
 
 
 def read(path):
-    with open(os.path.join(path, "expected.json"), encoding="utf-8") as f:
-        return json.load(f)
+    file = os.path.join(path, "expected.json")
+    try:
+        with open(file, encoding="utf-8") as f:
+            found = json.load(f)
+    except FileNotFoundError:
+        raise FileNotFoundError(f"{file} is not there, which holds what is expected; haff expected {path} -make writes one of what the case has now") from None
+    except ValueError as e:
+        raise ValueError(f"{file} is no JSON ({e}); haff expected {path} -make writes a new one once it is gone") from None
+    if not isinstance(found, dict):
+        raise ValueError(f"{file} holds a {type(found).__name__}; it is an object, with entries under \"full\" (haff expected -help)")
+    return found
 
 
 def load(path, part):
-    return read(path)[part]
+    found, file = read(path).get(part), os.path.join(path, "expected.json")
+    if found is None:
+        raise ValueError(f"{file} has no entry \"{part}\" (haff expected -help)")
+    if part not in ("full", "short"):
+        return found
+    if not isinstance(found, list):
+        raise ValueError(f"{file}: \"{part}\" is no list of entries (haff expected -help)")
+    for n, entry in enumerate(found, 1):
+        lack = [key for key in ("quantity", "value", "tolerance") if not isinstance(entry, dict) or key not in entry]
+        if lack:
+            raise ValueError(f"{file}: entry {n} of \"{part}\" has no {lack[0]}")
+        if entry["quantity"] not in QUANTITIES:
+            raise ValueError(f"{file}: entry {n} of \"{part}\": there is no quantity '{entry['quantity']}'{suggestion(entry['quantity'], QUANTITIES)}")
+    return found
 
 
 def save(path, known):
@@ -272,14 +296,39 @@ def judge(path, entry):
     try:
         value = float(measure(haff.Case(os.path.join(path, entry.get("folder", ""))), entry))
     except (KeyError, OSError, ValueError) as why:
-        return float("nan"), False, f"none ({why})"
+        return float("nan"), False, f"none ({command.message(why)})"
     return value, abs(value - entry["value"]) <= entry["tolerance"], ""
+
+
+def make(path):
+    """Writes expected.json of a case of one's own, of what it has at its last time."""
+    file, case = os.path.join(path, "expected.json"), haff.Case(path)
+    if os.path.lexists(file):
+        raise ValueError(f"{file} is there, and is not overwritten; remove it first")
+    time, rows = case.time(None), []
+    for field in case.fields(time):
+        values = case.field(field, time)
+        if values.ndim > 1 or not np.isfinite(values).all():
+            continue
+        tolerance = max(float(np.ptp(values)) / 100, 1e-12 * float(np.abs(values).max()))
+        for quantity, spread in (("minimum", tolerance), ("maximum", tolerance), ("sum", tolerance * len(values))):
+            rows.append({"quantity": quantity, "field": field, "time": float(time), "value": float(f"{float(QUANTITIES[quantity](case, field, time)):.12g}"),
+                         "tolerance": float(f"{spread:.3g}"), "source": "haff itself, when this file was made", "kind": "own"})
+    if not rows:
+        raise ValueError(f"{os.path.join(path, time)} has no scalar field of finite numbers to expect")
+    save(path, {"full": rows, "short": []})
+    print(file)
 
 
 def main():
     parser = command.parser(__doc__)
     parser.add_argument("case")
-    path, bad = parser.parse_args().case, 0
+    parser.add_argument("-make", action="store_true", help="write expected.json of what the case has at its last time")
+    o = parser.parse_args()
+    path, bad = o.case, 0
+    if o.make:
+        return make(path)
+    haff.Case(path)
     for entry in load(path, "full"):
         value, good, why = judge(path, entry)
         bad += not good

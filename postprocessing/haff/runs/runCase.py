@@ -50,7 +50,7 @@ def reported(action, again):
         print(f"error: {error}", file=sys.stderr)
         return error.code if error.code > 0 else 128 - error.code
     except (OSError, ValueError, KeyError) as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(f"error: {command.message(error)}", file=sys.stderr)
         return 1
 
 

@@ -26,8 +26,10 @@ FIELDS = {"alpha": ("volScalarField", "[0 0 0 0 0 0 0]"), "T": ("volScalarField"
 
 def value(path, file, key):
     """The number of an entry of a dictionary."""
-    with open(os.path.join(path, file)) as f:
+    with open(os.path.join(path, file), encoding="latin-1") as f:
         found = re.search(rf"\b{key}\s+(?:uniform\s+)?([-+.\deE]+)\s*;", re.sub(r"//[^\n]*", "", f.read()))
+    if not found:
+        raise haff.FormatError(f"{os.path.join(path, file)}: '{key}' is no number here, as it is in a box of uniform gas that cools")
     return float(found.group(1))
 
 
@@ -39,6 +41,8 @@ class Box:
         corners = self.case.mesh.points
         cyclic = [name for name, (kind, _, _) in self.case.mesh.patches.items() if kind == "cyclic"]
         self.d = len(cyclic) // 2
+        if self.d < 2:
+            raise ValueError(f"{path} is no box that is periodic along two axes or three: it has {len(cyclic)} cyclic patches")
         self.length = float(np.ptp(corners[:, 0]))
         self.alpha = value(path, "0.orig/alpha", "internalField")
         self.e = value(path, "constant/granularProperties", "restitution")

@@ -4,8 +4,10 @@
     haff columns CASE FILE.csv 0.05 0.1 0.15            at these times
     haff columns CASE FILE.csv 0.3 0.6 0.9 -from 4      at these phases of the shaking, means over all cycles from the fourth on
 
-A profile is {"y", "alpha", "U", "T"}, in SI units, U upwards, and of grains T along each axis as "Tx", "Ty", "Tz".
+A profile is {"y", "alpha", "U", "T"}, in SI units, U upwards; of a gas with the pressure as "p" where it was written, of grains with T
+along each axis as "Tx", "Ty", "Tz". The columns of the table are those of the profile.
 """
+import sys
 
 import numpy as np
 
@@ -25,14 +27,21 @@ def profile(layer, times):
 def at(case, moments, first=None):
     """{moment: profile}; moments are times or, with `first` (a cycle), phases of the shaking."""
     layer = faraday.Layer(case)
+    if first is not None and not hasattr(layer, "frequency"):
+        raise ValueError(f"{layer.case.path} is not shaken (it has no constant/shaking), so it has no phases: leave out  -from, and give times")
     if first is None:
         return {t: profile(layer, layer.case.time(t)) for t in moments}
     phases = layer.phases(first)
+    if not phases:
+        last = layer.case.time(None)
+        raise ValueError(f"{layer.case.path}: no phase of the shaking was written in three cycles or more from cycle {first:g} on; "
+                         f"the last time is {last}, in cycle {float(last) * layer.frequency:g}")
     return {p: profile(layer, phases[min(phases, key=lambda k: abs(k - p))][1]) for p in moments}
 
 
 def write(path, profiles):
-    names = ["y", "alpha", "U", "T", *AXES]
+    first = next(iter(profiles.values()))
+    names = [name for name in ("y", "alpha", "U", "T", "p", *AXES) if name in first]
     with open(path, "w") as f:
         f.write(",".join(["moment", *names]) + "\n")
         for moment, p in profiles.items():
@@ -101,11 +110,15 @@ def draw(path, columns, rows, top):
     figures.save(fig, path)
 
 
-if __name__ == "__main__":
+def main():
     parser = command.parser(__doc__)
     parser.add_argument("case")
-    parser.add_argument("file")
-    parser.add_argument("moments", type=float, nargs="+")
-    parser.add_argument("-from", dest="first", type=float)
+    parser.add_argument("file", help="the table, a .csv")
+    parser.add_argument("moments", type=float, nargs="+", help="times, or with -from phases of the shaking, 0 to 1")
+    parser.add_argument("-from", dest="first", type=float, metavar="CYCLE", help="the first of the cycles that means are taken over")
     wanted = parser.parse_args()
     write(wanted.file, at(wanted.case, wanted.moments, wanted.first))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -25,17 +25,26 @@ import numpy as np
 
 import haff
 from haff import command
+from haff.paths import suggestion
 
 CONTRAST, FLIP = 5.0, -0.5
 
 
-def dictionary(case, name):
-    """Numbers, vectors and tables (t, v, t, v, ..) of a flat dictionary of constant/: {key: [values]}."""
-    text = haff.FoamFile(os.path.join(case.path, "constant", name)).body.decode()
+def dictionary(case, name, *wanted):
+    """Numbers, vectors and tables (t, v, t, v, ..) of a flat dictionary of constant/: {key: [values]}. FormatError where a key that is
+    wanted is not among them; FileNotFoundError."""
+    path = os.path.join(case.path, "constant", name)
+    if not os.path.isfile(path):
+        raise FileNotFoundError(f"{path} is not there, or no file: this command is about layers under gravity")
+    text = haff.FoamFile(path).body.decode("latin-1")
     text = re.sub(r"//[^\n]*", "", text)
     number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-    return {k: [float(w) for w in re.findall(number, v)]
-            for k, v in re.findall(rf"(\w+)\s+(?:\[[^\]]*\]\s*|table\s*)?([(\s]*{number}[^;]*);", text)}
+    found = {k: [float(w) for w in re.findall(number, v)]
+             for k, v in re.findall(rf"(\w+)\s+(?:\[[^\]]*\]\s*|table\s*)?([(\s]*{number}[^;]*);", text)}
+    for key in wanted:
+        if key not in found:
+            raise haff.FormatError(f"{path}: there is no number '{key}'{suggestion(key, found)}")
+    return found
 
 
 class Layer:
@@ -43,11 +52,11 @@ class Layer:
 
     def __init__(self, case):
         self.case = case if isinstance(case, haff.Case) else haff.Case(case)
-        g = np.array(dictionary(self.case, "g")["value"])
+        g = np.array(dictionary(self.case, "g", "value")["value"])
         self.up = int(np.argmax(np.abs(g)))
         self.sign = -np.sign(g[self.up])
         if os.path.exists(os.path.join(self.case.path, "constant", "shaking")):
-            shaking = dictionary(self.case, "shaking")
+            shaking = dictionary(self.case, "shaking", "frequency", "amplitude")
             self.frequency, self.acceleration = shaking["frequency"][0], shaking["amplitude"][-1]  # of a ramp: its end
             self.amplitude = np.abs(g).max() * self.acceleration / (2 * np.pi * self.frequency) ** 2
         places, points = self.case.centres, self.case.mesh.points
@@ -159,9 +168,13 @@ def pairs(layer, first, last=np.inf, of="mass", heaps=True):
     each pair of cycles {phase in 0 .. 2: name of the time} with the mask [x] of the columns where a heap (else a
     valley) lies at its start."""
     written = layer.phases(first, last)
+    if 0 not in written:
+        raise ValueError(f"{layer.case.path}: the begin of the strokes was not written in three cycles or more from cycle {first:g} on")
     mode = measure(list(samples(layer, first, last, of).values()), layer.length)["mode"]
     name = {(n, phase): time for phase, (cycles, names) in written.items() for n, time in zip(cycles, names)}
     starts = [n for n in range(int(np.ceil(first)), max(written[0][0]), 2) if all((n + k, p) in name for p in written for k in (0, 1))]
+    if not starts:
+        raise ValueError(f"{layer.case.path}: no two whole cycles that follow each other were written from cycle {first:g} on")
     return mode, [({p + k: name[n + k, p] for p in written for k in (0, 1)}, layer.crests(name[n, 0], mode, not heaps, of)) for n in starts]
 
 

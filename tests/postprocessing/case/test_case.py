@@ -44,6 +44,24 @@ class Reader(unittest.TestCase):
         np.testing.assert_allclose(volumes, 0.006, rtol=1e-13)
         np.testing.assert_allclose(sheared, centres + np.outer(0.4 * centres[:, 1], (1, 0, 0)), atol=1e-15)
 
+    def test_what_was_meant(self):
+        """A name that is not there: the error says where, which are, and which is near, whatever its capitals."""
+        boxes.write_field(self.path, "alpha", np.zeros(self.cells), time="0.5")
+        boxes.write_field(self.path, "U", np.zeros((self.cells, 3)), time="0.5")
+        os.makedirs(os.path.join(self.path, "0.5", "T"))
+        name = os.path.basename(self.path)
+        for words, says in ((lambda: self.case.field("alfa"), f"{self.path} has no field 'alfa' at time 0.5; did you mean alpha? (fields there: U, alpha)"),
+                            (lambda: self.case.field("u", 0.5), "did you mean U?"), (lambda: self.case.sample("Alpha", [[0.1, 0.1, 0.1]]), "did you mean alpha?"),
+                            (lambda: self.case.field("alpha", "0.50"), "has no time '0.50'; its times are: 0.5"), (lambda: self.case.unit("rho"), "has no field 'rho' at time 0.5 ("),
+                            (lambda: self.case.field("T"), "0.5/T is a folder, and no field"), (lambda: self.case.patch_values("U", "xlow"), "no patch 'xlow'; did you mean xLow?"),
+                            (lambda: haff.Case(self.path + "x"), f"no such folder; did you mean {name}?")):
+            with self.assertRaises((OSError, ValueError, KeyError)) as caught:
+                words()
+            self.assertIn(says, str(caught.exception.args[0]))
+        self.write("postProcessing/budget/0/energyBudget.dat", "# Time a\n0 1\n")
+        self.assertRaisesRegex(FileNotFoundError, "has no tables; did you mean budget?", self.case.table, "budgit")
+        self.assertRaisesRegex(FileNotFoundError, "there is no energyBudge.dat; did you mean energyBudget.dat?", self.case.table, "budget", "energyBudge.dat")
+
     def test_ascii_and_gz(self):
         values = np.random.default_rng(1).normal(size=(self.cells, 3))
         boxes.write_field(self.path, "U", values, time="0.5")

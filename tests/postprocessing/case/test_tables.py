@@ -82,7 +82,7 @@ class Written(unittest.TestCase):
     def test_refusals(self):
         self.write("m/0/a.dat", "0 1\n")
         self.write("m/1/b.dat", "0 1\n")
-        for function, file, message in (("mm", None, "mm has no tables; .*: m$"), ("m", "c.dat", "there is no c.dat; The files are: a.dat, b.dat"),
+        for function, file, message in (("mm", None, "mm has no tables; .*: m$"), ("m", "c.dat", "there is no c.dat; did you mean b.dat\\? The files are: a.dat, b.dat"),
                                         ("m", None, r"which file\?")):
             with self.assertRaisesRegex(FileNotFoundError, message):
                 haff.Case(self.case).table(function, file)

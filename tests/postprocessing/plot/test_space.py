@@ -107,7 +107,7 @@ class Lattices(harness.Folder, unittest.TestCase):
 
     def test_no_mesh(self):
         cases.control(self.path("none"))
-        with self.assertRaisesRegex(CannotDraw, "has no mesh .*gmshToCase"):
+        with self.assertRaisesRegex(FileNotFoundError, "has no mesh .*gmshToCase"):
             cases.space(self.path("none"))
 
 

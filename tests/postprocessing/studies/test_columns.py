@@ -7,6 +7,8 @@ import unittest
 import numpy as np
 
 from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
+from tests.cases.harness import boxes
+from tests.postprocessing.plot import cases
 
 from haff.studies import columns
 
@@ -44,6 +46,24 @@ class Columns(unittest.TestCase):
         for name, values in self.p.items():
             np.testing.assert_allclose(found[0.3][name], values, rtol=1e-4)
         np.testing.assert_allclose(found[0.6]["T"], 2 * self.p["T"], rtol=1e-4)
+
+    def test_of_a_gas(self):
+        """A gas has no T along each axis: its table has the columns that there are. What has no phases or too few cycles says so."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            at = cases.box(folder, (4, 5, 1), (0.4, 0.5, 0.1), {"x": "cyclic", "z": "empty"})
+            for time, k in (("1", 1.0), ("2", 2.0)):
+                cases.fields(folder, time, alpha=k * at[:, 1], T=1 + at[:, 0], U=np.outer(at[:, 1], (0, 1, 0)), p=at[:, 1])
+            boxes.write_dictionary(folder, "constant", "g", "value (0 -9.81 0);")
+            path = os.path.join(folder, "gas.csv")
+            columns.write(path, columns.at(folder, [1, 2]))
+            with open(path) as f:
+                self.assertEqual(f.readline(), "moment,y,alpha,U,T,p\n")
+            found = columns.read(path)
+            np.testing.assert_allclose(found[2.0]["alpha"], 2 * (0.05 + 0.1 * np.arange(5)), rtol=1e-4)
+            np.testing.assert_allclose(found[1.0]["U"], 0.05 + 0.1 * np.arange(5), rtol=1e-4)
+            self.assertRaisesRegex(ValueError, "is not shaken .* leave out  -from", columns.at, folder, [0.5], 1)
+            boxes.write_dictionary(folder, "constant", "shaking", "type sinusoidal; amplitude 2; frequency 1;")
+            self.assertRaisesRegex(ValueError, "three cycles or more from cycle 1 on; the last time is 2", columns.at, folder, [0.5], 1)
 
 
 if __name__ == "__main__":
