@@ -33,6 +33,7 @@ COMMANDS = {
     "haff report CASE -follow": "tests/postprocessing/report/test_report.py::test_follow",
     "haff report bouncingBed bouncingBedMD": "tests/postprocessing/report/test_report.py::test_pair",
     "haff report CASE-sweep": "tests/postprocessing/report/test_report.py::test_sweep",
+    "haff columns CASE t.csv 0.5": "tests/postprocessing/studies/test_columns.py::test_of_a_gas",
     "haff expected CASE": "tests/cases/runtime/test_checkCases.py::test_expected",
     "haff faraday CASE": "tests/postprocessing/studies/test_faraday.py::test_command",
     "haff crossCheck CASE": "tests/postprocessing/studies/test_crossCheck.py::test_agrees",

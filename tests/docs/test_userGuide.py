@@ -17,7 +17,7 @@ HEAD = 'FoamFile {{ version 2.0; format ascii; class {0}; location "{1}"; object
 FIELDS = {"alpha": ("volScalarField", "[0 0 0 0 0 0 0]", "0.3"), "T": ("volScalarField", "[0 2 -2 0 0 0 0]", "1"),
           "U": ("volVectorField", "[0 1 -1 0 0 0 0]", "(0 0 0)")}
 # Words of the guide that no program knows: names that stand for the user's own, and OpenFOAM's and the papers' terms.
-OWN = set("mean feed inlet outlet lid myCase rhoCentralFoam reconstructPar checkMesh foamToVTK decomposePar mpirun front back gmsh phiE residual massResidual repeated written "
+OWN = set("mean rough feed inlet outlet lid myCase rhoCentralFoam reconstructPar checkMesh foamToVTK decomposePar mpirun front back gmsh phiE residual massResidual repeated written "
           "massFlow flow blockMesh olderVersion box figure computed taskset points positions UMean UPrime2Mean momentumResidual_x image flux scaling report Allrun".split())
 
 

@@ -29,15 +29,19 @@ class Flow:
         self.o, self.geometry, self.kind = o, geometry, kind
         self.grains = o.application == "granularMD"
         self.d = self.shape(o.grains)
-        self.transport = o.transport and not self.grains
+        self.rough = "rough" in kind.values()
+        if self.rough and self.grains:
+            raise ValueError("a rough wall is one of granularGas; in granularMD walls are smooth")
+        self.transport = (o.transport or self.rough) and not self.grains
         self.sticky = self.transport and o.walls != "slip"
         self.g = self.gravity(o.gravity)
         self.open = [p for p in geometry.patches if kind[p.name] in ("inlet", "outlet", "open")]
         self.stream = any(kind[p.name] == "inlet" for p in self.open) or bool(self.open and (o.Mach or o.speed))
-        self.layer = bool(np.any(self.g)) and not self.stream and self.floor() is not None
-        self.falls = bool(np.any(self.g)) and not self.stream and not self.layer  # it has no flat floor to lie on, as in a funnel
+        self.plate = self.floor() if np.any(self.g) and not self.stream else None
+        self.layer = self.plate is not None and not self.start
+        self.falls = bool(np.any(self.g)) and not self.stream and self.plate is None  # it has no flat floor to lie on, as in a funnel
         self.restitution = o.restitution if o.restitution is not None else 0.95 if self.stream else 0.9
-        self.alpha = o.alpha or (0.05 if self.stream else (0.8 if self.d == 2 else 0.6) if self.layer else 0.2)
+        self.alpha = o.alpha or (0.05 if self.stream else (0.8 if self.d == 2 else 0.6) if self.layer or self.start else 0.2)
         self.diameter = o.diameter or rounded(min(geometry.width / 4, geometry.least / 1.5))
         self.check()
         self.speeds()
@@ -85,14 +89,26 @@ class Flow:
         return f"moves by +-{acceleration / omega**2:.4g}, at most {acceleration / omega:.4g} fast, with {acceleration:.4g} of acceleration"
 
     @property
+    def start(self):
+        """The expression of alpha at the start that a problem brings with it, or None."""
+        return self.o.problem and self.o.problem.start
+
+    @property
     def down(self):
-        """The axis that gravity lies along."""
-        return int(np.argmax(np.abs(self.g)))
+        """The axis across the floor or, without one, that gravity lies along."""
+        return int(np.argmax(np.abs(self.g if self.plate is None else self.plate.normal)))
+
+    @property
+    def inclined(self):
+        """Is gravity none of the axes?"""
+        return np.count_nonzero(self.g) > 1
 
     def floor(self):
-        """A wall that gravity points to, or None."""
+        """The wall across an axis that gravity points to, within 60 degrees, or None."""
         towards = self.g / np.linalg.norm(self.g)
-        return next((p for p in self.geometry.patches if self.kind[p.name] in ("wall", "body") and p.plane and p.normal @ towards > 0.99), None)
+        walls = [p for p in self.geometry.patches if self.kind[p.name] in ("wall", "body", "rough") and p.plane and np.abs(p.normal).max() > 1 - 1e-6]
+        found = max(walls, key=lambda p: p.normal @ towards, default=None)
+        return found if found is not None and found.normal @ towards > 0.5 - 1e-6 else None
 
     def check(self):
         packed = enskog.TORQUATO[self.d][1]
@@ -134,7 +150,7 @@ class Flow:
             self.T = rounded((self.speed / self.Mach / sound_speed(self.alpha, self.restitution, self.d)) ** 2, 4)
         elif len(given) == 3:
             raise ValueError("-speed X,Y,Z is that of a stream, and no patch is an inlet; name one so, or say  -patch NAME=inlet")
-        elif self.layer:  # shaken it is warm; at rest it is cold, where most impacts are elastic, so that it has lost what it would lose
+        elif self.layer or self.start:  # shaken it is warm; at rest it is cold, where most impacts are elastic, so that it has lost what it would lose
             self.T = rounded(fall**2 * (0.05 if self.o.shaking else 1 / 900))
         else:
             self.T = rounded(given[0] ** 2, 4)
@@ -144,7 +160,9 @@ class Flow:
     def times(self):
         """End, and time between writes."""
         length = self.geometry.longest
-        if self.o.shaking:
+        if self.o.problem:
+            end, writes = self.o.problem.end, 20
+        elif self.o.shaking:
             end, writes = 20 / self.o.shaking[1], 40
         elif self.layer:
             end, writes = 5 * math.sqrt(2 * self.geometry.size[self.down] / float(np.linalg.norm(self.g))), 20
@@ -163,6 +181,8 @@ class Flow:
         what = f"{'grains' if self.grains else 'gas'}: {'disks' if self.d == 2 else 'spheres'}, restitution {self.restitution:g}"
         if self.stream:
             return f"{what}; a stream of volume fraction {self.alpha:g}, velocity {self.velocity_text}, Mach number {self.Mach:g}"
+        if self.start:
+            return f"{what}; grains at volume fraction {self.alpha:g}, at rest, where  {self.start_text}  says"
         if self.layer:
             return f"{what}; a layer, {self.depth:g} diameters deep at volume fraction {self.alpha:g}" + (
                 f", shaken by {self.o.shaking[0]:g} g at {self.o.shaking[1]:g} strokes in a unit of time" if self.o.shaking else ", at rest")
@@ -173,12 +193,23 @@ class Flow:
     @property
     def depth(self):
         """Of a layer, in grain diameters: a quarter of the height, or an eighth where it is thrown up."""
+        if self.o.problem and self.o.problem.depth:
+            return self.o.problem.depth
         return rounded((0.125 if self.o.shaking else 0.25) * float(self.geometry.size[self.down]) / self.diameter)
 
     @property
     def waves_along(self):
         """Is there a periodic axis across gravity, along which the depth of a layer may vary?"""
         return any(self.kind[p.name] == "periodic" and not (p.normal @ self.g) for p in self.geometry.patches)
+
+    @property
+    def start_text(self):
+        """The expression of alpha at the start: of a problem, or of a layer on a floor that gravity is inclined to."""
+        if self.start:
+            return self.start.format(alpha=self.alpha_text)
+        depth, axis, g = self.depth * self.diameter, self.down, self.geometry
+        where = f"{AXES[axis]} < {g.low[axis] + depth:g}" if self.plate.normal[axis] < 0 else f"{AXES[axis]} > {g.high[axis] - depth:g}"
+        return f"{where} ? {self.alpha_text} : 1e-6"
 
     @property
     def alpha_text(self):

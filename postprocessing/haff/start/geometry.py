@@ -104,11 +104,12 @@ def make_poly_mesh(folder):
     called([paths.program("gmshToCase"), "mesh.msh", "-case", "."], folder, "gmshToCase cannot take the mesh:")
 
 
-def box(lengths, cells):
-    """The text of a .geo file of a box of so many cells along each axis: a line, a rectangle, a box."""
-    names = ["left", "right", "bottom", "top", "back", "front"][:2 * len(lengths)]
+def box(lengths, cells, names=("left", "right", "bottom", "top", "back", "front")):
+    """The text of a .geo file of a box of so many cells along each axis: a line, a rectangle, a box. names: of its sides."""
+    names = names[:2 * len(lengths)]
     head = [f"// A box of {' x '.join(f'{x:g}' for x in lengths)} in {' x '.join(map(str, cells))} cells."]
-    head += [f"{key} = {value:g};" for key, value in zip("LHD", lengths)] + [f"{key} = {value};" for key, value in zip("NMK", cells)]
+    head += [f'DefineConstant[ {key} = {{{value:.12g}, Name "length along {axis}"}} ];' for key, value, axis in zip("LHD", lengths, "xyz")]
+    head += [f'DefineConstant[ {key} = {{{value}, Min 1, Step 1, Name "cells along {axis}"}} ];' for key, value, axis in zip("NMK", cells, "xyz")]
     if len(lengths) == 1:
         body = ["Point(1) = {0, 0, 0};   Point(2) = {L, 0, 0};", "Line(1) = {1, 2};   Transfinite Curve {1} = N + 1;"]
         groups = [f'Physical Point("{name}") = {{{k + 1}}};' for k, name in enumerate(names)] + ['Physical Curve("gas") = {1};']

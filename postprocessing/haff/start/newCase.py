@@ -7,11 +7,14 @@
     newCase DIR mesh.geo -Mach 4                            a stream that enters at the patch `inlet`
     newCase DIR -box 100x40 -gravity 981 -shaking 3,10 -diameter 1 -grains disks -transport
     newCase DIR mesh.geo -application granularMD            grains in place of a gas
+    newCase DIR -chute 25                                   a layer slides down a rough floor, inclined by 25 degrees
+    newCase DIR -silo 8                                     a silo runs out of a slot, 8 grains wide; its flow rate is written
+    newCase DIR -column 2                                   a column, twice as high as wide, collapses on a floor
 
 What a patch is, its name says: inlet; outlet; open, farfield; symmetry; periodic; wall, floor, left, ..; body, cylinder, obstacle, ..
 (a wall, whose forces are measured). Patches of other names become walls, and are told; -patch NAME=KIND says else (KIND: wall body inlet
-outlet open symmetry periodic empty). Gravity points against the last axis of the mesh (y in a plane, z in space), whatever its sign, unless
-it is a vector.
+outlet open symmetry periodic empty rough: a wall that grains rub on). Gravity points against the last axis of the mesh (y in a plane, z
+in space), whatever its sign, unless it is a vector.
 With an inlet the domain is full of the stream; with gravity and a floor a layer lies on it; else the gas is at rest but for faint waves,
 and cools. Nothing that is there is overwritten: DIR is new, empty, or holds the mesh alone. Exit code: 2 for a wrong command line, 1
 where no case could be made.
@@ -20,13 +23,14 @@ import difflib
 import math
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 
 from haff import command, paths
-from haff.start import flow, geometry, patches, texts
+from haff.start import flow, geometry, patches, problems, texts
 
 
 MOST_CELLS = 20_000_000  # of a box
@@ -73,6 +77,9 @@ def parser():
     made.add_argument("-periodic", metavar="A,B", action="append", default=[], help="two patches that are joined; may be repeated")
     made.add_argument("-box", metavar="LxHxD", help="extent of a box, along one to three axes (1x1)")
     made.add_argument("-cells", metavar="NxMxK", help="of a box (100x100)")
+    made.add_argument("-chute", type=float, metavar="ANGLE", help="degrees")
+    made.add_argument("-silo", type=float, nargs="?", const=8.0, metavar="WIDTH", help="of the slot, in grain diameters (8)")
+    made.add_argument("-column", type=float, nargs="?", const=1.0, metavar="ASPECT", help="height over width (1)")
     made.add_argument("-end", type=float, metavar="T", help="time at which the run ends")
     return made
 
@@ -96,6 +103,9 @@ def parse(words):
         o.periodic = [tuple(pair.split(",")) for pair in o.periodic]
         if any(len(pair) != 2 for pair in o.periodic):
             raise ValueError(f"-periodic {','.join(next(p for p in o.periodic if len(p) != 2))}: two patches, as left,right")
+        o.problem = problems.chosen(o)
+        if o.problem and o.cells:
+            raise ValueError("-cells: a chute, a silo or a column has cells of its own; mesh.geo has their numbers")
         if o.mesh and (o.box or o.cells):
             raise ValueError("-box and -cells are there where no mesh is given")
         o.box = sizes(o.box or "1x1", "-box", float, "one to three lengths, as 2x1")
@@ -151,7 +161,7 @@ def mesh_of(o, folder):
         geometry.with_merged(o.mesh, folder)
         geometry.make_msh(folder)
     else:
-        write(folder, {"./mesh.geo": geometry.box(o.box, o.cells)})
+        write(folder, {"./mesh.geo": o.problem.geo if o.problem else geometry.box(o.box, o.cells)})
         geometry.make_msh(folder)
     geometry.make_poly_mesh(folder)
 
@@ -160,7 +170,7 @@ def make(o, folder):
     """The case in an empty folder: (the numbers, lines to say). ValueError."""
     mesh_of(o, folder)
     found = geometry.Geometry(folder)
-    kind, unknown = patches.kinds(found, o.patch, o.periodic)
+    kind, unknown = patches.kinds(found, [f"{name}={what}" for name, what in (o.problem.kind if o.problem else {}).items()] + o.patch, o.periodic)
     pairs = patches.partners(found, kind, o.periodic)
     if any(kind[p.name] == "empty" and p.type != "empty" for p in found.patches):  # of a mesh of one layer: the axis counts no more
         for p in found.patches:
@@ -208,12 +218,14 @@ def new_case(o):
     print(f"start    {numbers_of.summary()}")
     if o.shaking:
         print(f"plate    {numbers_of.plate_text}")
+    if o.problem:
+        print(f"note     {o.problem.note}")
     print(f"end      {numbers_of.end:g}, written every {numbers_of.interval:g}")
     for warning in warnings:
         print(warning.replace("./", os.path.join(o.dir, ""), 1))
-    go = "" if os.path.realpath(o.dir) == os.getcwd() else f"cd {o.dir} && "
+    go = "" if os.path.realpath(o.dir) == os.getcwd() else f"cd {shlex.quote(o.dir)} && "
     print(f"\n{o.dir} is a case, which checkCase finds {'sound' if not warnings else 'to be run with warnings'}. Now:\n\n    {go}./Allrun"
-          f"\n    haffPlot .      # a picture of the last time")
+          f"\n    haffPlot .{o.problem.look if o.problem else ''}      # a picture of the last time")
 
 
 def main():
@@ -221,7 +233,7 @@ def main():
     try:
         new_case(o)
     except (ValueError, OSError) as wrong:
-        print(f"error: {wrong}", file=sys.stderr)
+        print(f"error: {command.message(wrong)}", file=sys.stderr)
         return 1
     return 0
 

@@ -3,7 +3,8 @@
 import difflib
 import re
 
-KINDS = {"wall": "a wall", "body": "a wall, whose forces are measured", "inlet": "the stream comes in", "outlet": "an open side: the flow leaves as it comes",
+KINDS = {"wall": "a wall", "body": "a wall, whose forces are measured",
+         "rough": "a wall that grains rub on (Johnson & Jackson)", "inlet": "the stream comes in", "outlet": "an open side: the flow leaves as it comes",
          "open": "an open side: what flows in is as at the start", "symmetry": "a mirror", "periodic": "one half of a periodic pair", "empty": "the axis is not solved"}
 # Words in the names of patches. Of several words of a name the one in the first of these lists counts.
 WORDS = [("wall", "wall walls noslip slip"), ("empty", "empty"), ("symmetry", "symmetry symmetric symmetryplane mirror symm sym"), ("periodic", "periodic cyclic"),
@@ -91,7 +92,7 @@ def mesh_type(patch, kind):
     """The type of a patch in the polyMesh."""
     if kind == "symmetry":
         return "symmetryPlane" if patch.plane else "symmetry"
-    return {"wall": "wall", "body": "wall", "periodic": "cyclic", "empty": "empty"}.get(kind, "patch")
+    return {"wall": "wall", "body": "wall", "rough": "wall", "periodic": "cyclic", "empty": "empty"}.get(kind, "patch")
 
 
 def rules(patch, kind, flow):
@@ -103,6 +104,9 @@ def rules(patch, kind, flow):
         return ("type zeroGradient;",) * 3
     if kind == "open":
         return tuple(f"type inletOutlet; inletValue uniform {x}; value uniform {x};" for x in (alpha, velocity, T))
+    if kind == "rough":
+        rubs = "type JohnsonJacksonSlip; specularityCoefficient 0.6; restitutionCoefficient 0.7; "
+        return "type zeroGradient;", rubs + "value uniform (0 0 0);", rubs + f"value uniform {T};"
     if kind in ("wall", "body"):
         if flow.sticky:
             return "type zeroGradient;", "type noSlip;", f"type granularWall; restitution {flow.restitution:g}; value uniform {T};"

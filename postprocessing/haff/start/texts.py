@@ -66,7 +66,9 @@ def field(keywords, name, flow, notes):
     f.note(("Volume fraction of the grains.", "Velocity of the flow.",
             "Granular temperature: the mean square of one component of the grains' random velocity, no kelvin.")[which])
     f.entry("dimensions", ("[0 0 0 0 0 0 0]", "[0 1 -1 0 0 0 0]", "[0 2 -2 0 0 0 0]")[which])
-    if name == "alpha" and flow.layer:
+    if name == "alpha" and (flow.start or (flow.layer and flow.inclined)):
+        f.entry("expression", f'"{flow.start_text}"', "where the grains lie at the start; almost none elsewhere")
+    elif name == "alpha" and flow.layer:
         f.entry("settledLayer", f"{{ depth {flow.depth:g}; packing {flow.alpha_text}; }}",
                 "a layer at rest on the floor, by the equation of state: so many grain diameters deep where it is packed so densely")
         if flow.waves_along:
@@ -129,6 +131,8 @@ def control(keywords, flow, version):
     f.entry("haffVersion", version, "the version of haff that this case was written for")
     f.note("")
     f.entry("startFrom", "latestTime", "a run that was stopped goes on; the first starts from 0.orig")
+    if flow.start:
+        f.entry("acceptWarnings", "(dampedSound)", "how the grains flow and rest is wanted here, not the sound in them")
     f.entry("stopAt", "endTime", "or writeNow, which stops a run that is going on")
     f.entry("endTime", f"{flow.end:.12g}")
     f.note("")
@@ -143,6 +147,9 @@ def control(keywords, flow, version):
     f.note("")
     f.note(f"What is measured while the case runs; {flow.o.application} -listModels lists the types.")
     f.lines += ["functions", "{"]
+    for name, body, note in flow.o.problem.functions if flow.o.problem else ():
+        f.lines.append(f"    // {note}: postProcessing/{name}")
+        f.lines.append(f"    {name} {body}")
     bodies = [p.name for p in flow.geometry.patches if flow.kind[p.name] == "body"]
     if bodies and not flow.grains:
         f.entry("forces", f"{{ type forces; patches ({' '.join(bodies)}); CofR (0 0 0); }}", "force.dat, moment.dat in postProcessing/forces/0", indent=1)
@@ -168,7 +175,9 @@ def schemes(keywords, flow):
 
 def solution(keywords, flow):
     f = File(keywords, "system/fvSolution")
-    if flow.stream:
+    if flow.start:
+        f.entry("acoustics", "{ type implicit; }", "dense gas takes implicit steps, as long as its flow allows; explicit: for shocks in dense gas")
+    elif flow.stream:
         f.entry("acoustics", "{ type explicit; }", "steps follow each wave of sound: for shocks; automatic: dense slow gas takes longer ones")
     elif flow.falls and not flow.geometry.lattice:
         f.entry("acoustics", "{ type automatic; automaticCoeffs { gain 2; } }",
@@ -209,7 +218,7 @@ cd "$(dirname "$0")" || exit 1
 if [ ! -f constant/polyMesh/boundary ] || [ {source} -nt constant/polyMesh/boundary ]; then
 {gmsh}    gmshToCase mesh.msh -case . || exit 1
 fi
-echo "The log is log.{flow.o.application}; to see how the run goes: haffLog $PWD -follow"
+echo "The log is log.{flow.o.application}; to see how the run goes: haffLog '$PWD' -follow"
 {flow.o.application} -case . "$@" >log.{flow.o.application} 2>&1 || {{ tail -n 20 log.{flow.o.application}; exit 1; }}
 tail -n 2 log.{flow.o.application}
 if command -v haff >/dev/null && report=$(haff report "$PWD"); then echo "The report is $report"; fi
