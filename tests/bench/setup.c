@@ -32,8 +32,8 @@ static status make_mesh(const int n[3], struct polymesh **out) {
     struct boxes_block block[3] = {
         {{0, 1, 4, 3, 8, 9, 12, 11}, {0}}, {{1, 2, 5, 4, 9, 10, 13, 12}, {0}}, {{3, 4, 7, 6, 11, 12, 15, 14}, {0}}};
     int empty[6][4] = {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 7, 6}, {8, 9, 12, 11}, {9, 10, 13, 12}, {11, 12, 15, 14}};
-    const struct boxes_patch patch[2] = {{"flat", "empty", NULL, n[2] == 1 ? 6 : 0, empty},
-                                         {"walls", "wall", NULL, 0, NULL}};
+    const struct boxes_patch patch[2] = {{"flat", "empty", NULL, n[2] == 1 ? 6 : 0, empty, NULL},
+                                         {"walls", "wall", NULL, 0, NULL, NULL}};
     for (int v = 0; v < 16; v++) {
         const int i = v % 8 < 6 ? v % 8 % 3 : v % 8 - 6, j = v % 8 < 6 ? v % 8 / 3 : 2;
         vertex[v][0] = i * (n[0] / 2) * 1e-3;

@@ -8,8 +8,9 @@
 #include <stdlib.h>
 
 static struct patch patches[] = {
-    {"inlet", "patch", NULL, 5, 2},     {"wall", "wall", NULL, 7, 2},           {"left", "cyclic", "right", 9, 2},
-    {"right", "cyclic", "left", 11, 2}, {"frontAndBack", "empty", NULL, 13, 8}, {"axis", "symmetry", NULL, 21, 0},
+    {"inlet", "patch", NULL, 5, 2, NULL},         {"wall", "wall", NULL, 7, 2, NULL},
+    {"left", "cyclic", "right", 9, 2, NULL},      {"right", "cyclic", "left", 11, 2, NULL},
+    {"frontAndBack", "empty", NULL, 13, 8, NULL}, {"axis", "symmetry", NULL, 21, 0, NULL},
 };
 #define THRICE(...) __VA_ARGS__, __VA_ARGS__, __VA_ARGS__
 static double points[54] = {0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1};
