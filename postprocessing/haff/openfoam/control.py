@@ -72,12 +72,14 @@ class Control:
             self.fixed()
             return [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "no")]
         courant = number(d, "maxCo", default=1)
+        if not courant > 0:
+            raise Refused(f"{d['maxCo'].place}: maxCo {courant:g}: it must be positive")
         found = [("deltaT", str(d["deltaT"])), ("adjustTimeStep", "yes"), ("maxCo", f"{1 if self.pressure else min(courant, LIMITS[self.scheme]):g}")]
         if self.pressure:
             say.changed(getattr(d.get("maxCo"), "place", d.place), f"maxCo {courant:g} of the flow -> 1, with sound")
         elif courant <= LIMITS[self.scheme]:
             say.took(getattr(d.get("maxCo"), "place", d.place), f"adjustTimeStep, maxCo {courant:g}" + (
-                f"; SSPRK43 with maxCo 1 takes {1 / courant * 3 / 4:.2g} times less time" if courant <= 0.5 else ""))
+                f"; with SSPRK43 and maxCo 1 there are {1 / courant:.2g} times fewer steps" if courant <= 0.5 else ""))
         else:
             say.changed(d["maxCo"].place, f"maxCo {courant:g} -> {LIMITS[self.scheme]:g}, the most of {self.scheme}")
         if "maxDeltaT" in d:

@@ -258,7 +258,10 @@ def parse(text, place):
 
 def read_field(path, case=None):
     """The same of a field; lists: arrays [n] or [n][components]."""
-    file = foam.FoamFile(path)
+    try:
+        file = foam.FoamFile(path)
+    except UnicodeDecodeError:
+        raise FormatError(f"{path}: its header is no text") from None
     head = bytes(file.data[:len(file.data) - len(file.view)])
     vector = "Vector" in file.header.get("class", "")
     parts, lists, at = [b"\n" * head.count(b"\n")], [], 0

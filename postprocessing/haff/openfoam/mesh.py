@@ -154,7 +154,7 @@ class Converted:
         self.patches = listed(without_comments(boundary_text(os.path.join(poly, "boundary"))), "constant/polyMesh/boundary")
         for p in self.patches:
             p.place = f"constant/polyMesh/boundary, {p.old}"
-            p.first, p.count = int(p.entry["startFace"]), int(p.entry["nFaces"])
+            p.first, p.count = (int(dictionary.number(p.entry, key)) for key in ("startFace", "nFaces"))
         for p in [p for p in self.patches if p.old == LEFTOVER and p.count]:
             p.name = self.free_name(p)
             self.report.changed("constant/polyMesh/boundary", f"{p.old} -> the patch {p.name}, of type {p.type}")

@@ -242,7 +242,10 @@ class Scalars:
                 known[name] = self.sides.beside(name, patch)
                 self.report.changed(self.places[patch.name], f"{patch.name}: {name} is free and the other is not: rho beyond the patch is that of the {name} "
                                     "that stands inside at the start")
-        return Condition(kind, combined(known["p"], times(known["T"], self.R), lambda a, b: a / b))
+        try:
+            return Condition(kind, combined(known["p"], times(known["T"], self.R), lambda a, b: a / b))
+        except Refused as why:
+            raise Refused(f"{self.places[patch.name]}: patch {patch.name}: {why}") from None
 
     @staticmethod
     def entry(c):

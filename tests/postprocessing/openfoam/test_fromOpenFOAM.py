@@ -214,6 +214,7 @@ class Refusals(Converting, unittest.TestCase):
                 ("0/T", "outlet {", "other {", ("T has no entry for patch outlet",)),
                 ("0/U", "value $internalField", "value $there", ("0/U:6: macro '$there' names no entry",)),
                 ("0/p", "type fixedValue; value $internalField", "type uniformFixedValue; uniformValue sine", ("table ((t v) ..)",)),
+                ("0/p", "class volScalarField", "class \xff", ("0/p: its header is no text",)),
                 ("system/blockMeshDict", "outlet { type patch;", "outlet { type wedge;", ("patch outlet has the type wedge", "no axisymmetry"))):
             with self.subTest(name + new):
                 self.refused(self.case(name, old, new), *words)
@@ -222,6 +223,7 @@ class Refusals(Converting, unittest.TestCase):
         for name, old, new, words in (
                 ("system/controlDict", "rhoCentralFoam", "icoFoam", ("system/controlDict:2: application icoFoam",)),
                 ("system/fvSchemes", "default Euler", "default localEuler", ("ddtSchemes localEuler", "take Euler")),
+                ("system/controlDict", "maxCo 0.2", "maxCo 0", ("system/controlDict:4: maxCo 0: it must be positive",)),
                 ("system/fvSchemes", "Kurganov", "Roe", ("fluxScheme Roe: Kurganov or Tadmor",)),
                 ("system/controlDict", "startTime 0", "startTime 3", ("neither 0 nor 0.orig", "startTime is 3"))):
             with self.subTest(new):
