@@ -17,7 +17,8 @@ GIVEN = {"fixedValue": "value", "uniformFixedValue": "uniformValue", "freestream
 TOTAL = {"totalPressure": "p0", "uniformTotalPressure": "p0"}
 TURNING = {"inletOutlet": "inletValue", "uniformInletOutlet": "uniformInletValue", "inletOutletTotalTemperature": "T0"}
 FREE = {"zeroGradient": "", "calculated": "", "slip": "", "symmetry": "", "fixedFluxPressure": "", "buoyantPressure": "", "advective": "waves leave",
-        "waveTransmissive": "waves leave; fieldInf is not held", "fixedGradient": "its gradient is left out", "smoluchowskiJumpT": "",
+        "waveTransmissive": "waves leave; fieldInf is not held: where gas leaves slower than sound, fixedValue of p holds it, and reflects",
+        "fixedGradient": "its gradient is left out", "smoluchowskiJumpT": "",
         "fixedMean": "its mean is not held"}
 WALLS = {"noSlip": "", "slip": "", "partialSlip": "", "maxwellSlipU": "", "movingWallVelocity": "", "translatingWallVelocity": "", "rotatingWallVelocity": "",
          "symmetry": "", "symmetryPlane": "", "fixedNormalSlip": ""}
