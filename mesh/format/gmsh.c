@@ -279,10 +279,12 @@ static status add_group(struct gmsh_file *f, const char *name, int *index) {
 /* Extrudes the mesh until it is 3D. Groups from *first_added on were added by the extrusion. */
 static status make_3d(struct gmsh_file *f, int dim, int *first_added) {
     *first_added = INT_MAX;
+    if (dim == 3 && f->thickness > 0)
+        return fail(ERR_INPUT, "%s: the mesh has a depth of its own: take `thickness` out of system/meshDict", f->path);
     if (dim == 3) return OK;
     int flat[2], low, high;
     TRY(find_flat_axes(f, dim, flat));
-    double thickness = typical_size(f, dim);
+    const double thickness = f->thickness > 0 ? f->thickness : typical_size(f, dim);
     if (dim == 1) {
         TRY(add_group(f, "sides", &low));
         TRY(extrude(f, 1, flat[0], thickness, low, low));
@@ -527,9 +529,15 @@ static status convert(struct gmsh_file *f, const struct gmsh_rule *rules, int nr
 }
 
 status gmsh_read(const char *path, const struct gmsh_rule *rules, int nrules, struct polymesh **out) {
+    return gmsh_read_thick(path, rules, nrules, 0, out);
+}
+
+status gmsh_read_thick(const char *path, const struct gmsh_rule *rules, int nrules, double thickness,
+                       struct polymesh **out) {
     *out = NULL;
     struct gmsh_file *file;
     TRY(gmsh_file_read(path, &file));
+    file->thickness = thickness;
     status s = convert(file, rules, nrules, out);
     gmsh_file_free(file);
     return s;

@@ -27,5 +27,8 @@ struct gmsh_rule {
  * can hold, elements of higher order, missing volume elements, format 4.0, truncated files, wrong counts, cyclic halves
  * that do not match. */
 status gmsh_read(const char *path, const struct gmsh_rule *rules, int nrules, struct polymesh **out);
+/* The same with the length, m, by which meshes of surfaces and lines are extruded (0: as above). */
+status gmsh_read_thick(const char *path, const struct gmsh_rule *rules, int nrules, double thickness,
+                       struct polymesh **out);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads a .msh file into memory, section by section, as the gmsh reference manual describes the formats 2.2 and 4.1:
- * $MeshFormat, $PhysicalNames, $Entities, $Nodes, $Elements; other sections are skipped. Every count is checked against
- * the size of the file before memory is asked for. */
+ * $MeshFormat, $PhysicalNames, $Entities, $Nodes or $ParametricNodes, $Elements; other sections are skipped. Every
+ * count is checked against the size of the file before memory is asked for. */
 #include "mesh/format/gmsh_file.h"
 
 #include "mesh/format/foamfile.h"
@@ -329,7 +329,18 @@ static status nodes_start(struct reader *r, long n) {
     return allocate(&r->tag, n, sizeof *r->tag, "node numbers");
 }
 
-static status read_nodes_old(struct reader *r) {
+/* Passes over what a node of $ParametricNodes has more: dimension and number of its entity, parameters on it. */
+static status pass_parameters(struct cursor *c) {
+    double parameter;
+    int dim, entity;
+    TRY(take_int(c, &dim));
+    TRY(take_int(c, &entity));
+    if (dim < 0 || dim > 3) return cursor_fail(c, "a node on an entity of dimension %d; allowed are 0 to 3", dim);
+    for (int k = 0; k < dim && dim < 3; k++) TRY(take_double(c, &parameter));
+    return OK;
+}
+
+static status read_nodes_old(struct reader *r, bool parametric) {
     struct cursor *c = &r->c;
     long n;
     TRY(take_line_count(c, 8, "nodes", &n));
@@ -337,6 +348,7 @@ static status read_nodes_old(struct reader *r) {
     for (long i = 0; i < n; i++) {
         TRY(take_long(c, 4, &r->tag[i]));
         for (int k = 0; k < 3; k++) TRY(take_double(c, &r->file->points[3 * i + k]));
+        if (parametric) TRY(pass_parameters(c));
     }
     return OK;
 }
@@ -539,7 +551,17 @@ static status read_partitioned(struct reader *r) {
 }
 
 static status read_nodes(struct reader *r) {
-    return r->new_format ? read_nodes_new(r) : read_nodes_old(r);
+    return r->new_format ? read_nodes_new(r) : read_nodes_old(r, false);
+}
+
+/* The nodes of format 2.2 with their parameters on the geometry (Mesh.SaveParametric). */
+static status read_parametric(struct reader *r) {
+    return read_nodes_old(r, true);
+}
+
+static status read_first_format(struct reader *r) {
+    return cursor_fail(&r->c, "this is gmsh's format 1, which has no names of groups; mesh the geometry anew: gmsh -3 "
+                              "-format msh41 MESH.geo -o MESH.msh");
 }
 
 static const struct {
@@ -547,7 +569,9 @@ static const struct {
     status (*read)(struct reader *);
 } sections[] = {{"MeshFormat", read_format}, {"PhysicalNames", read_names},
                 {"Entities", read_entities}, {"PartitionedEntities", read_partitioned},
-                {"Nodes", read_nodes},       {"Elements", read_elements}};
+                {"Nodes", read_nodes},       {"ParametricNodes", read_parametric},
+                {"Elements", read_elements}, {"NOD", read_first_format}};
+enum { FORMAT_1 = sizeof sections / sizeof *sections - 1 };
 
 static status skip_section(struct cursor *c, const char *name, int length) {
     for (const char *p = c->text + c->at; (p = memchr(p, '$', (size_t)(c->text + c->size - p))); p++)
@@ -558,7 +582,7 @@ static status skip_section(struct cursor *c, const char *name, int length) {
     return cursor_fail(c, "section $%.*s has no end: the file is truncated", length, name);
 }
 
-static status read_section(struct reader *r, bool first) {
+static status read_section(struct reader *r, bool *first) {
     struct cursor *c = &r->c;
     if (c->text[c->at] != '$') return found(c, "a section ($Nodes, $Elements, ...): is this a .msh file?");
     const char *name = c->text + ++c->at;
@@ -572,7 +596,9 @@ static status read_section(struct reader *r, bool first) {
            (strncmp(sections[which].name, name, (size_t)length) != 0 || sections[which].name[length] != 0))
         which++;
     c->section = which < count ? sections[which].name : "(other)";
-    if (first != (which == 0)) return cursor_fail(c, "the first section of a .msh file, and only it, is $MeshFormat");
+    if (which < FORMAT_1 && *first != (which == 0)) /* a section of another name, as $Comments, may stand anywhere */
+        return cursor_fail(c, "the first section of a .msh file, and only it, is $MeshFormat");
+    *first &= which >= count;
     TRY(which < count ? sections[which].read(r) : skip_section(c, name, length));
     skip_blanks(c);
     if (c->size - c->at < 4 + (size_t)length) return cursor_end(c);
@@ -584,8 +610,10 @@ static status read_section(struct reader *r, bool first) {
 
 static status read_all(struct reader *r) {
     bool first = true;
-    for (skip_blanks(&r->c); r->c.at < r->c.size; skip_blanks(&r->c), first = false) TRY(read_section(r, first));
-    if (first) return fail(ERR_INPUT, "%s: the file is empty; a .msh file of format 2.2 or 4.1 is needed", r->c.path);
+    for (skip_blanks(&r->c); r->c.at < r->c.size; skip_blanks(&r->c)) TRY(read_section(r, &first));
+    if (first)
+        return fail(ERR_INPUT, "%s: the file %s; a .msh file of format 2.2 or 4.1 is needed", r->c.path,
+                    r->c.size ? "has no $MeshFormat" : "is empty");
     if (r->file->nelements == 0)
         return fail(ERR_INPUT, "%s: no elements; the file is truncated, or gmsh was called without -1, -2 or -3",
                     r->c.path);

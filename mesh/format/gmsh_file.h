@@ -35,6 +35,7 @@ struct gmsh_element {
     int node[8]; /* index in points[]; -1 beyond the shape's nodes */
 };
 struct gmsh_file {
+    double thickness; /* m: to extrude by; 0: the typical size of a cell */
     char *path;
     long npoints;
     double *points; /* [npoints][3] */

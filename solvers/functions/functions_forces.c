@@ -40,11 +40,26 @@ static status forces_make(struct function *f, struct dict *d) {
     return patches_read(f, d, "patches", &o->patches);
 }
 
+/* Says the depth, or the section, of a mesh that does not resolve all axes, in a line that is empty in OpenFOAM's
+ * files: the forces are those on it. */
+static void print_depth(const struct function *f, FILE *file) {
+    const struct setup *s = f->setup;
+    double low[3], high[3], depth = 1;
+    polymesh_bounds(s->mesh, low, high);
+    for (int k = s->dim; k < 3; k++) depth *= high[s->axis[k]] - low[s->axis[k]];
+    if (s->dim == 3)
+        fprintf(file, "# \n");
+    else
+        fprintf(file, "# %-12s: %.12g\n", s->dim == 2 ? "thickness" : "section", depth);
+}
+
 static status open_table(const struct function *f, struct forces *o, int i) {
     static const char *const files[] = {"force.dat", "moment.dat"}, *const titles[] = {"Force", "Moment"};
     TRY(function_open(f, f->setup->start.name, files[i], &o->file[i]));
-    fprintf(o->file[i], "# %s\n# %-12s: (%.12g %.12g %.12g)\n# \n# %-12s", titles[i], "CofR", o->centre[0],
-            o->centre[1], o->centre[2], "Time");
+    fprintf(o->file[i], "# %s\n# %-12s: (%.12g %.12g %.12g)\n", titles[i], "CofR", o->centre[0], o->centre[1],
+            o->centre[2]);
+    print_depth(f, o->file[i]);
+    fprintf(o->file[i], "# %-12s", "Time");
     fprintf(o->file[i], "\t(total_x total_y total_z)\t(pressure_x pressure_y pressure_z)\t(viscous_x viscous_y "
                         "viscous_z)\n");
     return OK;

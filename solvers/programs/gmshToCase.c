@@ -179,7 +179,7 @@ static status run(const struct request *o) {
     struct mesh_rules *rules = NULL;
     struct polymesh *m = NULL;
     status s = mesh_rules_read(o->dir, &rules);
-    if (!s) s = gmsh_read(o->mesh, rules->rule, rules->n, &m);
+    if (!s) s = gmsh_read_thick(o->mesh, rules->rule, rules->n, rules->thickness, &m);
     if (!s) s = write_case(o, rules, m);
     mesh_rules_free(rules);
     polymesh_free(m);

@@ -3,6 +3,7 @@
 #include "solvers/programs/meshrules.h"
 
 #include "solvers/dict/dict.h"
+#include "solvers/dict/params.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,8 +11,11 @@
 
 enum { PATH = 4096 };
 
+#define PARAM_STRUCT struct mesh_rules
 static const struct param file_param[] = {
-    NOTED("patches", "dictionary", NULL, "a dictionary for each patch whose type its name does not say",
+    NUMBER("thickness", thickness, USUALLY(0, "the size of a cell"), POSITIVE, UNIT(0, 1, 0),
+           "to which a mesh of surfaces or lines is extruded; forces in a plane are those on this depth"),
+    NOTED("patches", "dictionary", "none", "a dictionary for each patch whose type its name does not say",
           "patches { floor { type wall; } }"),
 };
 static const struct param patch_param[] = {
@@ -40,8 +44,9 @@ void mesh_rules_free(struct mesh_rules *r) {
 static status read_rules(const char *path, struct mesh_rules *r) {
     struct dict *patches, *p;
     TRY(dict_read(path, &r->dict));
-    TRY(dict_sub(r->dict, "patches", &patches));
-    int n = dict_count(patches);
+    TRY(params_read(r->dict, file_param, sizeof file_param / sizeof *file_param, r));
+    TRY(dict_sub_optional(r->dict, "patches", &patches));
+    const int n = patches ? dict_count(patches) : 0;
     TRY(allocate(&r->rule, n, sizeof *r->rule, "rules"));
     TRY(allocate(&r->where, n, sizeof *r->where, "rules"));
     for (; r->n < n; r->n++) {

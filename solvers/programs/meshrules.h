@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads system/meshDict: the types of patches, which a mesh generator's file cannot say.
- *   patches { front { type empty; } left { type cyclic; neighbourPatch right; } ... } */
+/* Reads system/meshDict: the types of patches and the depth of a plane, which a mesh generator's file cannot say.
+ *   thickness 1; patches { front { type empty; } left { type cyclic; neighbourPatch right; } ... } */
 #ifndef SOLVERS_MESHRULES_H
 #define SOLVERS_MESHRULES_H
 
@@ -11,6 +11,7 @@
 struct mesh_rules {
     int n;
     struct gmsh_rule *rule;
+    double thickness;  /* m: of a mesh that is extruded; 0: the file does not say */
     struct dict *dict; /* owns the words; NULL without a file */
     /* [n] "FILE:LINE" of each rule. */
     char (*where)[4200];

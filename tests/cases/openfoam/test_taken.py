@@ -287,5 +287,30 @@ class Patches(Case):
         harness.program("granularGas", "-case", case)
 
 
+class Thickness(Case):
+    def test_thickness(self):
+        """meshDict gives a plane its depth, on which force.dat has the forces, as it says."""
+        forces = {}
+        for depth in (1, 0.25):
+            case = self.make(f"depth{depth}")
+            self.write(case, "system/meshDict", f"thickness {depth}; patches {{ ends {{ type wall; }} }}\n")
+            self.write(case, "mesh.msh", bad_case.MSH2)
+            shutil.rmtree(case + "/constant/polyMesh")
+            harness.program("gmshToCase", case + "/mesh.msh", "-case", case)
+            for name, kind in (("alpha", "uniform 0.2"), ("T", "uniform 25"), ("U", "uniform (0 0 0)")):
+                with open(os.path.join(case, "0", name)) as f:
+                    head = f.read().split("internalField")[0]
+                wall = "slip" if name == "U" else "zeroGradient"
+                self.write(case, f"0/{name}", head + f'internalField {kind};\nboundaryField {{ "ends|sides" {{ type {wall}; }} }}\n')
+            shutil.rmtree(case + "/constant/shaking", ignore_errors=True)
+            self.write(case, CONTROL, bad_case.CONTROL.split("functions")[0] + "functions { ends { type forces; patches (sides); CofR (0 0 0); } }\n")
+            harness.program("granularGas", "-case", case)
+            with open(case + "/postProcessing/ends/0/force.dat") as f:
+                self.assertIn(f"# thickness   : {depth}\n", f.read())
+            forces[depth] = float(re.search(r"\(\S+ (\S+)", self.rows(case, "ends/0/force.dat")[-1])[1])
+        self.assertNotEqual(forces[1], 0)
+        self.assertAlmostEqual(forces[0.25] / forces[1], 0.25, places=12)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -317,6 +317,7 @@ class Forces(harness.Folder, unittest.TestCase):
                 lines = f.read().splitlines()
             self.assertEqual(lines[0], "# " + title)
             self.assertEqual(lines[1], "# CofR        : (0.1 0.2 0.3)")
+            self.assertEqual(lines[2], "# thickness   : 0.1")  # that of boxes in a plane
             self.assertEqual(lines[3].split(), "# Time (total_x total_y total_z) (pressure_x pressure_y pressure_z) (viscous_x viscous_y "
                              "viscous_z)".split())
 

@@ -90,6 +90,9 @@ static void test_errors(void **state) {
         {"$MeshFormat\n4 0 8\n$EndMeshFormat\n", ":2:|format 4; read are 2.2 and 4.1|msh41"},
         {"$MeshFormat\n2.2 0 4\n$EndMeshFormat\n", "4 bytes"},
         {NODES, "first section|$MeshFormat"},
+        {"$NOD\n1\n1 0 0 0\n$ENDNOD\n", ":2:|$NOD|gmsh's format 1|-format msh41"},
+        {"$Comments\nhello $Nodes\n$EndComments\n", "no $MeshFormat"},
+        {FORMAT "$ParametricNodes\n1\n1 0 0 0 4 1\n$EndParametricNodes\n", "dimension 4"},
         {FORMAT NAMES NODES ELEMENTS("7", EDGES QUADS),
          "1 of 10 boundary faces are in no physical group, the first at (0, 0.5, 0.5)|Physical Curve"},
         {FORMAT NAMES NODES ELEMENTS("8", GOOD "9 1 2 1 4 3 1\n"), "expected $EndElements"},
@@ -194,10 +197,40 @@ static void test_byte_order(void **state) {
     says(gmsh_read(path, NULL, 0, &m), "byte|other byte order");
 }
 
+/* A section of comments in front, and nodes with their parameters on points, curves and surfaces. */
+static void test_other_sections(void **state) {
+    (void)state;
+    static const char nodes[] = "$ParametricNodes\n6\n70 2 1 0 0 3\n1 0 0 0 1 1 0.5\n5 1 0 0 2 1 0.5 0.25\n"
+                                "1000000 2 0 0 0 2\n3 0 1 0 0 4\n8 1 1 0 3 1\n$EndParametricNodes\n";
+    char text[2000];
+    struct polymesh *plain, *m;
+    snprintf(text, sizeof text, "$Comments\nhello $Nodes\n$EndComments\n%s%s%s", FORMAT NAMES, nodes,
+             ELEMENTS("8", EDGES LAST QUADS));
+    ok(read_text(text, &m));
+    ok(read_text(FORMAT NAMES NODES ELEMENTS("8", EDGES LAST QUADS), &plain));
+    assert_int_equal(polymesh_checksum(m), polymesh_checksum(plain));
+    polymesh_free(plain);
+    polymesh_free(m);
+}
+
+/* The depth of a plane is asked for, or the size of a cell. */
+static void test_thickness(void **state) {
+    (void)state;
+    struct polymesh *m;
+    double low[3], high[3];
+    (void)read_text(FORMAT NAMES NODES ELEMENTS("8", EDGES LAST QUADS), &m);
+    polymesh_free(m);
+    ok(gmsh_read_thick(path, NULL, 0, 2.5, &m));
+    polymesh_bounds(m, low, high);
+    assert_true(low[2] == 0 && high[2] == 2.5);
+    polymesh_free(m);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_squares), cmocka_unit_test(test_line),
-                                       cmocka_unit_test(test_errors),  cmocka_unit_test(test_truncated),
-                                       cmocka_unit_test(test_rules),   cmocka_unit_test(test_byte_order)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_squares),        cmocka_unit_test(test_line),
+                                       cmocka_unit_test(test_errors),         cmocka_unit_test(test_truncated),
+                                       cmocka_unit_test(test_rules),          cmocka_unit_test(test_byte_order),
+                                       cmocka_unit_test(test_other_sections), cmocka_unit_test(test_thickness)};
     int fd = mkstemp(path);
     if (fd < 0) return 1;
     close(fd);
