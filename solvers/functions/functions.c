@@ -54,6 +54,12 @@ static const struct param any_param[] = {
     IGNORED("errors", "for OpenFOAM"),
     IGNORED("useUserTime", "for OpenFOAM"),
 };
+/* Of types without averages, which have their own timeStart and timeEnd, or none. */
+static const struct param window_param[] = {
+    NUMBER("timeStart", start, USUALLY(-HUGE_VAL, "the start"), ANY_NUMBER, UNIT(0, 0, 1),
+           "time from which it writes; fieldAverage: from which steps count"),
+    NUMBER("timeEnd", end, HUGE_VAL, ANY_NUMBER, UNIT(0, 0, 1), "time to which it writes, or steps count"),
+};
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
 /* The word of a type, with a whole function object of that type; fields: the entry for those that it takes. */
@@ -80,6 +86,7 @@ void functions_keywords(struct keywords *k, const struct medium_type *m) {
     keywords_params(k, first + 1, 1);
     trigger_keywords(k);
     keywords_params(k, any_param, COUNT(any_param));
+    keywords_params(k, window_param, COUNT(window_param));
     for (int i = 0; i < TYPES; i++) {
         if (!fits(function_table[i], m)) continue;
         keywords_at(k, FUNCTION_FILE, FUNCTION_DICT, function_table[i]->name);
@@ -168,6 +175,9 @@ static status make_one(struct function *f, struct dict *d) {
         return dict_fail(d, "type", "%s does not know what leaves it through patches; granularGas does",
                          f->setup->medium->type->application);
     TRY(params_read(d, any_param, COUNT(any_param), f));
+    f->start = -HUGE_VAL;
+    f->end = HUGE_VAL;
+    if (!f->type->collect && !f->type->save) TRY(params_read(d, window_param, COUNT(window_param), f));
     const struct trigger standard = {f->type->with_fields ? WRITE_NONE : WRITE_TIME_STEP, 1, f->type->with_fields};
     TRY(trigger_read(d, &standard, true, &f->trigger));
     TRY(check_late(f, d));
@@ -284,6 +294,8 @@ status functions_execute(struct functions *f, const struct moment *before, const
     for (int i = 0; i < f->n; i++) {
         struct function *one = &f->all[i];
         if (before && !trigger_due(&one->trigger, before, now)) continue;
+        const double slack = 1e-12 * fabs(now->t); /* as in control.c: round-off of a few additions of steps */
+        if (now->t < one->start - slack || now->t > one->end + slack) continue;
         TRY(status_note(execute(one, now, name), "function object '%s'", one->name));
     }
     return OK;

@@ -14,8 +14,9 @@ struct function { /* one function object; its members are for all types */
     const struct function *earlier; /* [nearlier] those that were made before this one */
     int nearlier;
     struct trigger trigger;
-    bool enabled; /* is it made at all? */
-    bool log;     /* are results printed, too? */
+    bool enabled;      /* is it made at all? */
+    bool log;          /* are results printed, too? */
+    double start, end; /* s: when it writes, both included */
     int nfields;
     int field[MAX_QUANTITIES];  /* [nfields] the fields that it takes, as indices of the medium's quantities */
     bool takes[MAX_QUANTITIES]; /* which it takes at all, elsewhere than in `fields`, too */

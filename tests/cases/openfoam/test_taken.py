@@ -60,6 +60,15 @@ class Control(Case):
         self.assertEqual(len(self.rows(case, "points/0/alpha")), 2)  # 0 and the second of two steps
         self.assertEqual(len(self.rows(case, "extremes/0/fieldMinMax.dat")), 3)
 
+    def test_window(self):
+        """timeStart and timeEnd, both included, of what is written at times."""
+        case = self.make("window")
+        self.replace(case, CONTROL, "type probes;", "type probes; timeStart 0.001; timeEnd 0.0015;")
+        self.replace(case, CONTROL, "type fieldMinMax;", "type fieldMinMax; timeEnd 0.001;")
+        harness.program("granularGas", "-case", case)
+        self.assertEqual([row.split()[0] for row in self.rows(case, "points/0/alpha")], ["0.001"])
+        self.assertEqual([row.split()[0] for row in self.rows(case, "extremes/0/fieldMinMax.dat")], ["0", "0.001"])
+
     def test_ignored(self):
         """Keywords of controlDict that are for OpenFOAM alone."""
         case = self.make("ignored")
