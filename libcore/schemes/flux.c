@@ -55,15 +55,9 @@ KERNEL static void find_kinds(int n, const struct winds *restrict w, int known, 
         uint64_t all = SPLITS | ALL_LEFT | ALL_RIGHT;
         for (int i = from; i < end; i++) all &= face[i];
         const int splits = (int)(~all & SPLITS);
-        kind[from / GROUP] = known & (splits ? splits : (int)(all & (ALL_LEFT | ALL_RIGHT)));
+        const int side = (int)(all & (ALL_LEFT | ALL_RIGHT));
+        kind[from / GROUP] = known & (splits ? splits : side ? side : MIXED);
     }
-}
-
-/* Returns the end of the run of groups of one kind that starts at face `from`. */
-static int run_end(int n, const int *kind, int from) {
-    int end = from + GROUP;
-    while (end < n && kind[end / GROUP] == kind[from / GROUP]) end += GROUP;
-    return end < n ? end : n;
 }
 
 /* Computes the eigenvectors of docs/physics.md 6.1 for a velocity, a static enthalpy eps + p/rho, c and g = p_eps/rho:
@@ -180,12 +174,14 @@ static void calm_shocks(int from, int to, const struct faces *f, const struct ba
                         const double *shock, const struct reconstruct *r, double (*a)[BATCH]) {
     struct winds fast = *w;
     double calm[MAX_VAR][BATCH];
+    int kind[BATCH / GROUP];
+    for (int k = 0; k < BATCH / GROUP; k++) kind[k] = SPLIT_ENTROPY;
     for (int i = from; i < to; i++) {
         const double *u = f->velocity[0] + i, *c = f->c + i;
         const double most = larger(fabs(u[0]) + c[0], fabs(u[f->stride]) + c[f->stride]);
         fast.speed[ENTROPY][i] = shock[i] > 0 ? most : w->speed[ENTROPY][i];
     }
-    (r->reach > 0 ? reconstruct_find("PHM") : r)->split(from, to, SPLIT_ENTROPY, f, b, &fast, calm);
+    characteristic_common(r->reach > 0 ? reconstruct_find("PHM") : r, from, to, kind, f, b, &fast, calm);
     for (int i = from; i < to; i++) a[ENTROPY][i] = shock[i] > 0 ? calm[ENTROPY][i] : a[ENTROPY][i];
 }
 
@@ -197,13 +193,7 @@ static void one_basis(const struct faces *f, const struct reconstruct *r, const 
     int kind[BATCH / GROUP];
     common_bases(f, w, &b);
     find_kinds(f->n, w, SPLITS, kind);
-    for (int from = 0, to; from < f->n; from = to) {
-        to = run_end(f->n, kind, from);
-        if (kind[from / GROUP])
-            r->split(from, to, kind[from / GROUP], f, &b, w, a);
-        else
-            r->upwind(from, to, f, &b, w, a);
-    }
+    characteristic_common(r, 0, f->n, kind, f, &b, w, a);
     if (rules && rules->shocks.from < rules->shocks.to)
         calm_shocks(rules->shocks.from, rules->shocks.to, f, &b, w, rules->shock, r, a);
     project_back(f->dim, 0, f->n, &b, a, false, f->out);
@@ -275,14 +265,6 @@ void flux_sided_states(const struct faces *f, const struct eos *eos, const struc
     eos->state(m, n, s->rho, s->eps, s->p, s->c, s->gruneisen);
 }
 
-/* Does any field of the run come, at least in part, from the side opposite to `other`? */
-static bool side_needed(const struct winds *w, int from, int to, double other) {
-    for (int k = 0; k < FAMILIES; k++)
-        for (int i = from; i < to; i++)
-            if (w->speed[k][i] != other) return true;
-    return false;
-}
-
 struct two_bases { /* states and bases to the left (0) and to the right (1) of the faces */
     struct face_states s[2];
     struct bases b[2];
@@ -340,32 +322,14 @@ KERNEL static void restore(int n, const double *restrict restored, double *restr
     for (int i = 0; i < n; i++) out[i] = restored[i] != 0 ? out[i] + restored[i] : out[i];
 }
 
-/* Computes the fluxes of faces from .. to - 1 that split no field: each field comes from one side, all from the left or
- * all from the right if the faces' kind says so. */
-static void upwind_apart(int from, int to, const struct faces *f, const struct reconstruct *r,
-                         const struct two_bases *t, int kind) {
-    ALIGNED double left[MAX_VAR][BATCH], right[MAX_VAR][BATCH];
-    if (kind) {
-        const struct bases *b = &t->b[kind == ALL_RIGHT];
-        r->upwind(from, to, f, b, &t->w, left);
-        project_back(f->dim, from, to, b, left, false, f->out);
-        return;
-    }
-    r->apart(from, to, f, t->b, &t->w, left, right);
-    project_back(f->dim, from, to, &t->b[0], left, false, f->out);
-    project_back(f->dim, from, to, &t->b[1], right, true, f->out);
-}
-
-/* The same of faces that split fields. */
-static void split_apart(int from, int to, const struct faces *f, const struct reconstruct *r,
-                        const struct two_bases *t) {
-    ALIGNED double a[MAX_VAR][BATCH];
-    bool add = false;
-    for (int s = 0; s < 2; s++) {
-        if (!side_needed(&t->w, from, to, s == 0 ? UPWIND_RIGHT : UPWIND_LEFT)) continue;
-        r->sided(from, to, f, &t->b[s], &t->w, s == 0 ? 1 : -1, a);
-        project_back(f->dim, from, to, &t->b[s], a, add, f->out);
-        add = true;
+/* Computes the fluxes from the amplitudes of both sides. */
+static void back_apart(const struct faces *f, const struct two_bases *t, const int *kind, double (*a[2])[BATCH]) {
+    for (int from = 0, to; from < f->n; from = to) {
+        const int side = kind[from / GROUP] & (ALL_LEFT | ALL_RIGHT);
+        for (to = from + GROUP; to < f->n && (kind[to / GROUP] & (ALL_LEFT | ALL_RIGHT)) == side;) to += GROUP;
+        to = to < f->n ? to : f->n;
+        for (int s = 0; s < 2; s++)
+            if (side != (s ? ALL_LEFT : ALL_RIGHT)) project_back(f->dim, from, to, &t->b[s], a[s], s && !side, f->out);
     }
 }
 
@@ -375,6 +339,8 @@ static void two_bases_flux(const struct faces *given, const struct eos *eos, con
     const struct bases *b = t->b;
     struct faces eased = *given;
     int kind[BATCH / GROUP];
+    ALIGNED double left[MAX_VAR][BATCH], right[MAX_VAR][BATCH];
+    double(*a[2])[BATCH] = {left, right};
     for (int s = 0; s < 2; s++) {
         flux_sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
         state_bases(f->dim, f->n, &t->s[s], &t->b[s]);
@@ -388,14 +354,9 @@ static void two_bases_flux(const struct faces *given, const struct eos *eos, con
         f = &eased;
     }
     find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
-    find_kinds(f->n, &t->w, SPLITS | ALL_LEFT | ALL_RIGHT, kind);
-    for (int from = 0, to; from < f->n; from = to) {
-        to = run_end(f->n, kind, from);
-        if (kind[from / GROUP] & SPLITS)
-            split_apart(from, to, f, r, t);
-        else
-            upwind_apart(from, to, f, r, t, kind[from / GROUP]);
-    }
+    find_kinds(f->n, &t->w, SPLITS | ALL_LEFT | ALL_RIGHT | MIXED, kind);
+    characteristic_apart(r, kind, f, b, &t->w, a);
+    back_apart(f, t, kind, a);
     if (given->rise) restore(f->n, t->restored, f->out[1]);
 }
 
@@ -461,7 +422,7 @@ static void excess_of(const struct faces *f, const struct two_bases *t, struct e
         D[v] = e->D[v];
     }
     for (int s = 0; s < 2; s++) {
-        reconstruct_find("firstOrder")->sided(0, f->n, &mean, &t->b[s], &t->w, s == 0 ? 1 : -1, a);
+        characteristic_sided(reconstruct_find("firstOrder"), &mean, &t->b[s], &t->w, s, a);
         project_back(f->dim, 0, f->n, &t->b[s], a, s == 1, D);
     }
 }
@@ -471,7 +432,7 @@ struct change {
     double p, normal, tangent[2], entropy;
 };
 ALWAYS_INLINE struct change change_of(const int dim, const struct rows l, const double *const q[MAX_VAR], int i) {
-    const struct fields w = project(dim, l, q, i, 0);
+    const struct fields w = project(dim, l, q, i, q[1][i]);
     return (struct change){w.plus + w.minus, w.plus - w.minus, {w.shear[0], w.shear[1]}, w.entropy};
 }
 /* Returns the product of two changes that the second derivative of the entropy makes, times -rho T: the entropy's
@@ -635,13 +596,13 @@ void flux_eigenvectors(int dim, const struct basis *given, double left[MAX_VAR][
         double unit[MAX_VAR] = {0}, a[MAX_VAR][BATCH] = {{0}}, column[MAX_VAR];
         unit[v] = 1;
         a[v][0] = 1;
-        const double *q[MAX_VAR];
+        const double *q[MAX_VAR] = {0};
         double *out[MAX_VAR];
         for (int k = 0; k < dim + 2; k++) {
             q[k] = &unit[k];
             out[k] = &column[k];
         }
-        struct fields w = project(dim, rows_at(dim, &b, 0), q, 0, 0);
+        struct fields w = project(dim, rows_at(dim, &b, 0), q, 0, unit[1]);
         project_back(dim, 0, 1, &b, a, false, out);
         left[0][v] = w.minus;
         left[1][v] = w.entropy;

@@ -142,19 +142,11 @@ KERNEL static void force_add(int n, const double *restrict left, const double *r
     }
 }
 
-/* The nodal fluxes of momentum of the six cells of each stencil, less the pressure of gas at rest. */
-KERNEL static void force_calm(const struct faces *f, double (*restrict out)[BATCH]) {
-    for (int i = 0; i < f->n; i++) {
-        const struct rest rest = rest_at(true, f, i, f->stride);
-        for (int k = 0; k < 6; k++) out[k][i] = f->flux[1][i + (k - 2) * f->stride] - rest.P[k];
-    }
-}
-
 /* Writes F to the faces, at high order on a lattice. first: the fluxes of the reconstructed states */
 static void force_end(const struct faces *f, const struct reconstruct *r, const struct riemann *x,
                       double (*const first[2])[BATCH]) {
     double calm[6][BATCH], left[BATCH], right[BATCH];
-    if (f->rise && r->reach) force_calm(f, calm);
+    if (f->rise && r->reach) faces_take_rest(f, f->flux[1], calm);
     for (int v = 0; v < f->dim + 2; v++) {
         const double *cell[6], *back[5];
         memcpy(f->out[v], x->F[v], (size_t)f->n * sizeof(double));

@@ -7,8 +7,6 @@
 #include "libcore/schemes/characteristic.h"
 #include "libcore/schemes/flux_rules.h"
 
-enum { GROUP = 8 }; /* faces that are kept together in a batch: a vector */
-
 /* All bits are set where the condition holds: as wide as the numbers, such conditions are joined without being turned.
  */
 ALWAYS_INLINE uint64_t is(bool condition) {

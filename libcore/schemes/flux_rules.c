@@ -231,10 +231,7 @@ void flux_sided_pressure(const struct faces *f, int side, const struct reconstru
         flux_reconstruct(f, f->p, side, r, out);
         return;
     }
-    for (int i = 0; i < f->n; i++) {
-        const struct rest rest = rest_at(true, f, i, f->stride);
-        for (int m = 0; m < 6; m++) taken[m][i] = f->p[i + (m - 2) * f->stride] - rest.P[m];
-    }
+    faces_take_rest(f, f->p, taken);
     for (int k = 0; k < 5; k++) line[k] = taken[side > 0 ? k : 5 - k];
     r->face(f->n, line, out);
     for (int i = 0; i < f->n; i++) out[i] += f->rest[i];

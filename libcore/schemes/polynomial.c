@@ -250,6 +250,14 @@ ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, const st
     }
 }
 
+/* The pieces below are functions of their own, so that each is compiled once for a dimension or a number of components,
+ * not once for every pair of them and every way to fit. */
+KERNEL static void finish_cells(int m, const struct fit *f, int batch, const struct batch *restrict c, double over) {
+    if (m == 1) finish_points(1, f, batch, c, over);
+    if (m == 2) finish_points(2, f, batch, c, over);
+    if (m == 3) finish_points(3, f, batch, c, over);
+}
+
 ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, int v, const struct bounds *restrict b,
                                   double (*restrict a)[LANES]) {
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
@@ -263,15 +271,26 @@ ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, int v
     }
 }
 
+#define LIMITED(dim)                                                                                                   \
+    limit(dim, &f->halfway, batch, square, b, a);                                                                      \
+    linear_changes(dim, f, batch, v, b, a)
+KERNEL static void limited_changes(int dim, const struct fit *f, int batch, int v, const double *restrict square,
+                                   struct bounds *restrict b, double (*restrict a)[LANES]) {
+    if (dim == 1) {
+        LIMITED(1);
+    } else if (dim == 2) {
+        LIMITED(2);
+    } else {
+        LIMITED(3);
+    }
+}
+
 ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const double *const *U) {
     double a[MAX_VAR][MAX_COEFFICIENT][LANES];
     struct batch c;
     add_members(m, dim, f, batch, U, &c, a);
-    for (int v = 0; v < m + 2; v++) {
-        limit(dim, &f->halfway, batch, c.frame.square[v], &c.bounds[v], a[v]);
-        linear_changes(dim, f, batch, v, &c.bounds[v], a[v]);
-    }
-    finish_points(m, f, batch, &c, 0);
+    for (int v = 0; v < m + 2; v++) limited_changes(dim, f, batch, v, c.frame.square[v], &c.bounds[v], a[v]);
+    finish_cells(m, f, batch, &c, 0);
 }
 
 /* CWENO of Levy, Puppo & Russo (SIAM J. Sci. Comput. 22, 2000; docs/physics.md 6.11) with the quadratic of the whole
@@ -291,12 +310,25 @@ ALWAYS_INLINE int product(int dim, int i, int j) { /* place of x_i x_j, i <= j, 
     return dim + i * dim - i * (i - 1) / 2 + j - i;
 }
 
+ALWAYS_INLINE void boost_all(int m, int each, const struct frame *restrict frame, double (*restrict g)[LANES]) {
+    double *line[MAX_VAR];
+    for (int i = 0; i < each; i++) {
+        for (int v = 0; v < m + 2; v++) line[v] = g[v * each + i];
+        boost(m, -1, frame, line);
+    }
+}
+KERNEL static void boost_sectors(int m, int each, const struct frame *restrict frame, double (*restrict g)[LANES]) {
+    if (m == 1) boost_all(1, each, frame, g);
+    if (m == 2) boost_all(2, each, frame, g);
+    if (m == 3) boost_all(3, each, frame, g);
+}
+
 /* Computes the gradients g[v][s][k] of the sectors in the frame of the cell. */
 ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int batch, int sectors, const double *const *U,
                                     double (*restrict own)[LANES], const struct frame *restrict frame,
                                     double (*restrict g)[LANES]) {
     const int each = sectors * dim;
-    double d[LANES], *line[MAX_VAR];
+    double d[LANES];
     for (int v = 0; v < m + 2; v++) {
         int j = f->sector.start[batch];
         struct calm calm;
@@ -312,10 +344,7 @@ ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int bat
             }
         }
     }
-    for (int i = 0; i < each; i++) {
-        for (int v = 0; v < m + 2; v++) line[v] = g[v * each + i];
-        boost(m, -1, frame, line);
-    }
+    boost_sectors(m, each, frame, g);
 }
 
 /* Adds to I the smoothness of the quadratic a, |gradient|^2 + (1 + 1/12) |second derivatives|^2, over the squared
@@ -417,16 +446,35 @@ ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, in
     }
 }
 
-ALWAYS_INLINE void cweno3(int dim, int m, const struct fit *f, int batch, const double *const *U) {
+KERNEL static void curved_changes(int dim, const struct fit *f, int batch, int v, const struct bounds *restrict b,
+                                  double (*restrict a)[LANES]) {
+    if (dim == 1) quadratic_changes(1, f, batch, v, b, a);
+    if (dim == 2) quadratic_changes(2, f, batch, v, b, a);
+    if (dim == 3) quadratic_changes(3, f, batch, v, b, a);
+}
+
+/* Turns the coefficients a of the quadratics of the whole stencils into those of CWENO3. */
+ALWAYS_INLINE void combine_dim(int dim, int m, struct fit *f, int batch, const double *const *U,
+                               struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     const int sectors = f->share.start[batch + 1] - f->share.start[batch];
-    double a[MAX_VAR][MAX_COEFFICIENT][LANES];
     double(*gradient)[LANES] = (double(*)[LANES])f->gradient, (*weight)[LANES] = (double(*)[LANES])f->weight;
+    sector_gradients(dim, m, f, batch, sectors, U, c->own, &c->frame, gradient);
+    combine(dim, m, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c->frame, gradient, weight, a);
+}
+KERNEL static void combine_sectors(int dim, int m, struct fit *f, int batch, const double *const *U,
+                                   struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+    if (dim == 1) combine_dim(1, m, f, batch, U, c, a);
+    if (dim == 2) combine_dim(2, m, f, batch, U, c, a);
+    if (dim == 3) combine_dim(3, m, f, batch, U, c, a);
+}
+
+ALWAYS_INLINE void cweno3(int dim, int m, struct fit *f, int batch, const double *const *U) {
+    double a[MAX_VAR][MAX_COEFFICIENT][LANES];
     struct batch c;
     add_members(m, dim + quadratics(dim), f, batch, U, &c, a);
-    sector_gradients(dim, m, f, batch, sectors, U, c.own, &c.frame, gradient);
-    combine(dim, m, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c.frame, gradient, weight, a);
-    for (int v = 0; v < m + 2; v++) quadratic_changes(dim, f, batch, v, &c.bounds[v], a[v]);
-    finish_points(m, f, batch, &c, OVER);
+    combine_sectors(dim, m, f, batch, U, &c, a);
+    for (int v = 0; v < m + 2; v++) curved_changes(dim, f, batch, v, &c.bounds[v], a[v]);
+    finish_cells(m, f, batch, &c, OVER);
 }
 
 /* One function for every dimension and every number of components of u: loops over coefficients unroll. */

@@ -7,9 +7,16 @@
 #include "libcore/models/kernel.h"
 #include "libcore/models/param.h"
 
-struct faces; /* libcore/schemes/flux.h */
-struct bases; /* bases and winds: libcore/schemes/characteristic.h */
-struct winds;
+/* The speed of a field at a face: from which side it comes, or the speed alpha >= 0 of a Lax-Friedrichs split. */
+#define UPWIND_LEFT  (-1.)
+#define UPWIND_RIGHT (-2.)
+
+struct projected { /* a characteristic field at faces i: in cell m = -2 .. 3 of a face's stencil (left 0, right 1) it is
+                    * scale factor[i] x[i + m x_stride] + y[i + m y_stride] */
+    double scale;
+    const double *factor, *x, *y;
+    long x_stride, y_stride;
+};
 
 struct reconstruct {
     struct model model;
@@ -17,19 +24,16 @@ struct reconstruct {
     /* Right-face values of the middle cells of n stencils of five (q[2] holds the cell, q[3] its downwind neighbour); a
      * left-face value is the same function on the mirrored stencil. */
     void (*face)(int n, const double *const q[5], double *restrict out);
-    /* Amplitudes a[field] of the nodal fluxes projected on the faces' eigenbases, for faces from <= i < to (all lines
-     * are those of the batch). `upwind` is for faces that split no field, `apart` the same on two bases, b[0] of the
-     * left, b[1] of the right, of which each field takes that of its side: it is 0 on the other. `split` is for faces
-     * that split no fields but those of `kind` (enum faces_kind) on one basis. `sided` gives the part that comes from
-     * one side (+1: left, -1: right) of such faces. */
-    void (*upwind)(int from, int to, const struct faces *f, const struct bases *restrict b,
-                   const struct winds *restrict w, double (*restrict a)[BATCH]);
-    void (*apart)(int from, int to, const struct faces *f, const struct bases *restrict b,
-                  const struct winds *restrict w, double (*restrict left)[BATCH], double (*restrict right)[BATCH]);
-    void (*split)(int from, int to, int kind, const struct faces *f, const struct bases *restrict b,
-                  const struct winds *restrict w, double (*restrict a)[BATCH]);
-    void (*sided)(int from, int to, const struct faces *f, const struct bases *restrict b,
-                  const struct winds *restrict w, double side, double (*restrict a)[BATCH]);
+    /* The values of a field q at n faces: `upwind` where none of them splits it, `apart` the same on two bases, 0 on
+     * the side that it does not come from; `split` the sum of the parts of both sides, with w, the field of the states;
+     * `sided` the part of one side (+1: left; -1: right, with q and w of mirrored stencils). */
+    void (*upwind)(int n, const double *speed, const struct projected *q, double *restrict out);
+    void (*apart)(int n, const double *speed, const struct projected q[2], double *restrict left,
+                  double *restrict right);
+    void (*split)(int n, const double *speed, const struct projected *q, const struct projected *w,
+                  double *restrict out);
+    void (*sided)(int n, const double *speed, double side, const struct projected *q, const struct projected *w,
+                  double *restrict out);
 };
 
 extern const struct reconstruct reconstruct_table[];
