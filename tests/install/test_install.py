@@ -215,7 +215,7 @@ class Configuring(harness.Folder, unittest.TestCase):
         with open(os.path.join(fake, "cmake"), "w", encoding="utf-8") as file:
             file.write('#!/bin/sh\necho "cmake $*"\n')
         os.chmod(os.path.join(fake, "cmake"), 0o755)
-        build = lambda *words: call("sh", "-c", 'top=$1; shift; . "$top/.ci/setup"; PATH=$0:$PATH; build "$@"', fake, top, *words, cwd=top)
+        build = lambda *words: call("sh", "-c", 'top=$1; shift; verbose=1; . "$top/.ci/setup"; PATH=$0:$PATH; build "$@" 2>&1', fake, top, *words, cwd=top)
         self.assertNotIn("HAFF_WERROR", build("granularGas"))
         for kept, again in (("OFF", True), ("ON", False)):
             with open(os.path.join(top, "build", "CMakeCache.txt"), "w", encoding="utf-8") as file:

@@ -90,6 +90,27 @@ class Setup(unittest.TestCase):
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("bad mesh", done.stderr)
 
+    def test_plan(self):
+        """A stranger sees five lines and the picture's path; the rest is in logs; -v shows all; a failure shows the end of the log."""
+        for name in ("cmake", "dpkg-query"):
+            script(os.path.join(self.top, "build", "bin", name), f'echo "{name} speaks"\n')
+        script(os.path.join(self.top, "build", "bin", "dpkg-query"), "echo install ok installed\n")
+        script(os.path.join(self.top, "build", "bin", "mpicc"), "")
+        show = lambda *options: subprocess.run([os.path.join(self.top, "Allrun"), *options, "wall"], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+        done = show()
+        self.assertRegex(done.stderr, r"^haff: 1/5 packages.*\nhaff: 2/5 build, .*build/log\nhaff: 3/5 mesh .*\n"
+                                      r"haff: 4/5 run, about [\d.]+ s; log: .*/log.granularGas\nhaff: 5/5 picture\n$")
+        self.assertEqual((done.returncode, done.stdout), (0, "wall.png\n"))
+        self.assertNotIn("speaks", done.stderr)
+        with open(os.path.join(self.top, "build", "log")) as f:
+            self.assertIn("cmake speaks", f.read())
+        self.assertIn("cmake speaks", show("-v").stderr)
+        script(os.path.join(self.top, "build", "bin", "cmake"), "seq 100; echo no compiler; exit 1\n")
+        done = show()
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertRegex(done.stderr, r"(?s)99\n100\nno compiler\nhaff: .* failed, see above\n$")
+        self.assertNotIn("\n60\n", done.stderr)
+
     def test_missing_packages(self):
         """Without root and sudo: one line to run, exit code 1."""
         fake = os.path.join(self.top, "fake")

@@ -76,6 +76,12 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertIn("The case is sound.", harness.program("checkCase", case, "-strict").stdout)
         return case, said
 
+    def test_a_folder_with_a_space(self):
+        """What newCase says to type can be typed."""
+        said = self.call("my case", "-box", "1x1", "-cells", "10x10")
+        self.assertIn("cd 'my case' && ./Allrun", said)
+        self.assertTrue(os.path.isfile(os.path.join(self.folder, "my case", "Allrun")))
+
     def run_case(self, case, share=1.0):
         """Runs a share of the time by Allrun, with nothing but PATH; the haff.Case."""
         control = os.path.join(case, "system", "controlDict")
