@@ -477,14 +477,13 @@ ALWAYS_INLINE void cweno3(int dim, int m, struct fit *f, int batch, const double
     finish_cells(m, f, batch, &c, OVER);
 }
 
-/* One function for every dimension and every number of components of u: loops over coefficients unroll. */
+/* One function for every dimension and every number of components of u: loops over coefficients unroll. Meshes of one
+ * axis are too small to need one for each number of components. */
 #define EACH(kind, axes, components)                                                                                   \
     if (f->polyhedra->dim == (axes) && f->nvar == (components) + 2) kind(axes, components, f, batch, U)
 #define CELLS(kind)                                                                                                    \
     KERNEL static void kind##_cells(struct fit *f, int batch, const double *const *U) {                                \
-        EACH(kind, 1, 1);                                                                                              \
-        EACH(kind, 1, 2);                                                                                              \
-        EACH(kind, 1, 3);                                                                                              \
+        if (f->polyhedra->dim == 1) kind(1, f->nvar - 2, f, batch, U);                                                 \
         EACH(kind, 2, 2);                                                                                              \
         EACH(kind, 2, 3);                                                                                              \
         EACH(kind, 3, 3);                                                                                              \
