@@ -58,7 +58,8 @@ class Report:
         found = []
         if story:
             state = "ended" if story.ended else "running" if story.running() else "stopped"
-            found += [("the run", state, state), (f"time ({unit})" if unit else "time", f"{story.last:.6g}" + ("" if story.ended else f" of {story.end_time:.6g}"), ""),
+            reached = f"{story.last:.6g}" + ("" if story.ended else f" of {story.end_time:.6g}")
+            found += [("the run", state, state), (f"time ({unit})" if unit else "time", reached, ""),
                       ("steps", f"{int(story.rows['step'][-1]):,}", ""), ("clock", log.duration(spent(story)), "")]
         else:
             found.append((f"last time ({unit})" if unit else "last time", there[-1], ""))

@@ -54,7 +54,7 @@ class Page:
     def chart(self, chart):
         """The place of a plot."""
         self.charts.append(chart)
-        place = tag("div", class_="plot", data_chart=len(self.charts) - 1, role="img", aria_label=chart["about"])
+        place = tag("div", class_="plot", data_chart=len(self.charts) - 1, role="group", aria_label=chart["about"])
         return tag("figure", tag("figcaption", ESCAPE(chart["title"])), place, class_="chart")
 
     def grid(self, *cells, kind=""):
