@@ -37,7 +37,8 @@ class Report:
         page.add("summary", "Summary", self.tiles(there), self.warnings())
         page.times = some_of(there, self.frames or self.worth(there[-1]))
         self.pictures(page, there[-1])
-        page.add("profiles", "Profiles", page.grid(*(page.chart(c) for c in profiles.of_case(self.painter.space, self.names(there[-1]), page.times))))
+        lines = profiles.of_case(self.painter.space, self.names(there[-1]), page.times) + profiles.of_sets(case, page.times)
+        page.add("profiles", "Profiles", page.grid(*(page.chart(c) for c in lines)))
         if self.story:
             page.add("run", "The run", page.grid(*(page.chart(c) for c in running.of_run(self.story, case.units))))
         self.functions(page)

@@ -119,12 +119,13 @@ function marker(u) {
     u.ctx.restore();
 }
 
-// Of the places along an axis by powers of ten: the powers, and where these are few 2 and 5 times them.
+// Of the places along an axis by powers of ten: the powers, each third of many, and where these are few 2 and 5 times them.
 function decades(u, list) {
     const some = list.filter(v => v != null && v > 0), few = some.length && some[some.length - 1] / some[0] < 100;
+    const every = some.length && some[some.length - 1] / some[0] > 1e8 ? 3 : 1;
     return list.map(v => {
-        const lead = v > 0 ? Math.round(v / 10 ** Math.floor(Math.log10(v) + 1e-9)) : 0;
-        return lead === 1 || few && (lead === 2 || lead === 5) ? v : null;
+        const power = Math.floor(Math.log10(v) + 1e-9), lead = v > 0 ? Math.round(v / 10 ** power) : 0;
+        return lead === 1 && power % every === 0 || few && (lead === 2 || lead === 5) ? v : null;
     });
 }
 

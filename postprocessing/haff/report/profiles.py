@@ -5,11 +5,12 @@ import re
 
 import numpy as np
 
-from haff.plot import quantity
+from haff.case import tables
+from haff.plot import figures, quantity
 from haff.plot.quantity import CannotDraw
 from haff.report.charts import numbers
 from haff.report.pictures import LOST
-from haff.report.words import plain, with_unit
+from haff.report.words import plain, symbol, with_unit
 
 MOST = 400  # places of a profile
 
@@ -87,3 +88,44 @@ def of_field(space, name, times, axis, x, mean, some):
     label = plain(q.label)
     return {"title": label + how, "x": with_unit("xyz"[axis], (0, 1, 0), units), "y": label, "log": False, "time": False, "times": shown, "frames": frames,
             "data": [numbers(x[some])], "series": [], "about": f"Profile of {label} along {'xyz'[axis]} at {len(shown)} times"}
+
+
+# ---- lines of the function object `sets` ----
+
+def of_sets(case, times):
+    """Charts of the lines that sets wrote at the times that are nearest to these: postProcessing/FUNCTION/TIME/LINE_FIELD_FIELD.xy."""
+    charts = []
+    for function, files in case.tables().items():
+        folder = os.path.join(case.path, "postProcessing", function)
+        there = tables.start_names(folder)
+        near = list(dict.fromkeys(min(there, key=lambda name: abs(float(name) - float(t))) for t in times)) if there else []
+        for file in (f for f in files if f.endswith(".xy")):
+            charts += of_lines(case, function, file, [(t, os.path.join(folder, t, file)) for t in near if os.path.isfile(os.path.join(folder, t, file))])
+    return charts
+
+
+def of_lines(case, function, file, paths):
+    """Charts of one line: a column of places (or three), then those of each field of its name."""
+    line, fields = file[:-3].split("_"), []
+    known = {n: components for t in case.times[-1:] for n, (components, _) in quantity.fields(case, t).items()}
+    while len(line) > 1 and line[-1] in known:
+        fields.insert(0, line.pop())
+    width = sum(known[f] for f in fields)
+    frames = [(t, np.loadtxt(path, ndmin=2)) for t, path in paths]
+    frames = [(t, rows) for t, rows in frames if rows.shape[1] - width in (1, 3) and rows.shape == frames[0][1].shape]
+    if not fields or not frames:
+        return []
+    first = frames[0][1].shape[1] - width
+    x = frames[0][1][:, :first]
+    x = x[:, 0] if first == 1 else np.linalg.norm(x - x[0], axis=1)
+    charts = []
+    for name in fields:
+        values = [rows[:, first:first + known[name]] for _, rows in frames]
+        values = [v[:, 0] if known[name] == 1 else np.sqrt((v**2).sum(axis=1)) for v in values]
+        sign = symbol(name) if known[name] == 1 else f"|{symbol(name)}|"
+        charts.append({"title": f"{function}: {sign} along {'_'.join(line)}", "x": with_unit("place along the line", (0, 1, 0), case.units),
+                       "y": with_unit(sign, figures.DIMENSIONS.get(name), case.units), "log": False, "time": False, "times": [t for t, _ in frames],
+                       "frames": [numbers(v) for v in values], "data": [numbers(x)], "series": [],
+                       "about": f"{sign} along {'_'.join(line)} at {len(frames)} times"})
+        first += known[name]
+    return charts

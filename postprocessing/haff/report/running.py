@@ -109,7 +109,7 @@ def grouped(base, columns, t, units):
     """Charts of columns: those that begin alike (probe0_x, probe0_y), and those of extremes, share one."""
     groups = {}
     for name, values in columns.items():
-        stem = name.rsplit("_", 1)[0] if "_" in name else base if re.match(r"(probe\d+|min|max)$", name) else name
+        stem = cause(name) if base == "energyBudget" else name.rsplit("_", 1)[0] if "_" in name else base if re.match(r"(probe\d+|min|max)$", name) else name
         groups.setdefault(stem, []).append((name, values))
     drawn = []
     for stem, series in groups.items():
@@ -120,6 +120,13 @@ def grouped(base, columns, t, units):
         dimensions = dimensions_of(base, stem)
         y = with_unit(base if base in ("force", "moment") else stem, dimensions, units)
         yield chart(title, t, series, across=time_axis(units), y=y, log=None if len(series) > 1 else False)
+
+
+def cause(name):
+    """The chart of a column of energyBudget: what changed the mass, the momentum along an axis, the energy; what has no cause stands alone."""
+    if "esidual" in name:
+        return name.rsplit("_", 1)[0]
+    return "mass" if name.startswith("mass") else "momentum" + name[-2:] if name.startswith("momentum") else "energy"
 
 
 def alike(one, other):
@@ -135,4 +142,4 @@ def dimensions_of(base, stem):
     if found and found.group(2) in KNOWN:
         of = KNOWN[found.group(2)]
         return tuple(a + b for a, b in zip(of, INTEGRALS.get(found.group(1), (0, 0, 0))))
-    return KNOWN.get(stem) or KNOWN.get(base)
+    return KNOWN.get(stem) or KNOWN.get(stem.rsplit("_", 1)[0]) or KNOWN.get(base)

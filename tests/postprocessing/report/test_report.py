@@ -110,6 +110,28 @@ class Reports(harness.Folder, unittest.TestCase):
         there = profiles["temperature T (m² s⁻²)"]["frames"][-1][3]
         self.assertAlmostEqual(there, (alpha * T)[row == 3].sum() / alpha[row == 3].sum(), 5)
 
+    def test_tables_of_function_objects(self):
+        """Lines of `sets` are profiles, at the written times that are nearest; energyBudget has one plot of what changed the energy, by cause;
+        probes and extremes have the unit of their field; what is no table over time is left out."""
+        path = made.gas(self.place())
+        table = lambda name, text: made.write(os.path.join(path, "postProcessing", name), text)
+        for t in ("0", "0.7", "2"):
+            table(f"lines/{t}/up_a_alpha_T.xy", f"0 0.1 {t}\n1 0.2 5\n")
+            table(f"lines/{t}/up_a_U.xy", f"0 3 4 0\n1 0 {t} 0\n")
+        names = "Time mass energy cooling gravity residual momentum_x momentumWalls_x momentumResidual_x".split()
+        table("budget/0/energyBudget.dat", "# " + " ".join(names) + "\n0 4 7 0 0 0 1 0 0\n2 4 6 -2 1 1e-15 2 1 1e-16\n")
+        table("ext/0/fieldMinMax.dat", "# Time field min location(min) max location(max)\n" + "".join(
+            f"{t} T {t} (0 0 0) {3 * t + 1} (1 1 1)\n" for t in (0, 1, 2)))
+        table("notes/0/words.dat", "some words that are\nno table\n")
+        charts = {c["title"]: c for c in data(self.page(path))["charts"]}
+        line = charts["lines: T along up_a"]
+        self.assertEqual((line["times"], line["frames"], line["data"], line["y"]), (["0", "0.7", "2"], [[0, 5], [0.7, 5], [2, 5]], [[0, 1]], "T (m² s⁻²)"))
+        self.assertEqual(charts["lines: |U| along up_a"]["frames"][2], [5, 2])
+        self.assertEqual([s["label"] for s in charts["budget: energyBudget: energy"]["series"]], ["energy", "cooling", "gravity"])
+        self.assertEqual(charts["budget: energyBudget: energy"]["y"], "energy (kg m² s⁻²)")
+        self.assertEqual([s["label"] for s in charts["budget: energyBudget: momentum_x"]["series"]], ["momentum_x", "momentumWalls_x"])
+        self.assertEqual((charts["ext: T"]["data"], charts["ext: T"]["y"]), ([[0, 1, 2], [0, 1, 2], [1, 4, 7]], "T (m² s⁻²)"))
+
     def test_grains(self):
         """A film of the grains comes first."""
         text = self.page(made.grains(self.place()))
