@@ -14,7 +14,7 @@ from haff.report.pictures import LOST, Film, Painter, some_of
 from haff.report.words import ESCAPE, rows, symbol, table, tag, tiles, unfold
 
 FRAMES, WORK = 12, 6_000_000  # written times in a film, where nothing is asked for, and cells or grains in all pictures of it
-SOLID_FRAMES = 8  # of films in three dimensions, whose pictures take a second each
+SOLID_FRAMES = 6  # of films in three dimensions, whose pictures take a second each
 MOST_FIELDS = 16  # pictures of fields at the last time
 
 
