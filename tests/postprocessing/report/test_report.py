@@ -182,11 +182,14 @@ class Reports(harness.Folder, unittest.TestCase):
                 self.assertEqual(os.path.exists(os.path.join(words[0], "postProcessing")), False)
 
     def test_without_a_run_table(self):
-        """Fields alone, as of another program, are a report, too."""
+        """Fields alone, as of another program, are a report, too; expected values without the part that is compared are told of."""
         path = self.place()
+        made.write(os.path.join(path, "expected.json"), "{}")
         at = cases.box(path, (6, 5, 1), (0.6, 0.5, 0.1))
         cases.fields(path, "1", alpha=at[:, 0])
-        self.assertIn("packing fraction α", self.page(path, "-o", os.path.join(self.folder, "alone.html")))
+        text = self.page(path, "-o", os.path.join(self.folder, "alone.html"))
+        self.assertIn("packing fraction α", text)
+        self.assertRegex(text, "expected.json was not compared: KeyError")
 
     def test_follow(self):
         """While the case is locked the page renews itself; the last page, when the run has ended, does not."""
