@@ -205,16 +205,26 @@ struct entry *dict_find(const struct dict *d, const char *key) {
     return e ? e : dict_find_pattern(d, key);
 }
 
-/* Remembers that the program knows this key. Without memory for the key only a suggestion is lost. */
+/* Adds a name to a list. Without memory for the name only a suggestion is lost. */
+static void remember(struct document *d, struct names *list, const char *name) {
+    const char *copy = NULL;
+    status e = document_copy(d, name, -1, &copy);
+    if (!e) e = document_grow(d, &list->name, list->count, &list->room, sizeof *list->name);
+    if (!e) list->name[list->count++] = copy;
+    status_free(e);
+}
+
+/* Remembers that the program knows this key. */
 static void ask(const struct dict *d, const char *key) {
     struct names *a = d->asked;
     for (int i = 0; i < a->count; i++)
         if (!strcmp(a->name[i], key)) return;
-    const char *copy = NULL;
-    status e = document_copy(d->document, key, -1, &copy);
-    if (!e) e = document_grow(d->document, &a->name, a->count, &a->room, sizeof *a->name);
-    if (!e) a->name[a->count++] = copy;
-    status_free(e);
+    remember(d->document, a, key);
+}
+
+void dict_belongs(const struct dict *d, const char *key, const char *where) {
+    remember(d->document, &d->document->places, key);
+    remember(d->document, &d->document->places, where);
 }
 
 void dict_know(const struct dict *d, const char *key) {
@@ -308,10 +318,26 @@ const char *nearest_name(const char *word, const char *const *names, int count) 
 
 /* ---- unused keys ---- */
 
+/* Does a word begin with another one that is no mere letter or two? */
+static bool begins(const char *word, const char *with) {
+    return strlen(with) > 3 && !strncmp(word, with, strlen(with));
+}
+
+const char *dict_meant(const char *word, const char *const *names, int count) {
+    const char *near = nearest_name(word, names, count);
+    for (int i = 0; !near && i < count; i++)
+        if (begins(word, names[i]) || begins(names[i], word)) near = names[i];
+    return near;
+}
+
 static status unused(const struct dict *d, const struct entry *e) {
-    const struct names *a = d->asked;
+    const struct names *a = d->asked, *places = &d->document->places;
     if (e->foreign) return entry_fail_hidden(e);
-    const char *near = nearest_name(e->key, a->name, a->count);
+    for (int i = 0; i + 1 < places->count; i += 2)
+        if (!strcmp(e->key, places->name[i]))
+            return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used here; it belongs in  %s { %s ..; }", e->path,
+                        e->line, e->key, places->name[i + 1], e->key);
+    const char *near = dict_meant(e->key, a->name, a->count);
     if (near)
         return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used; did you mean '%s'?", e->path, e->line, e->key, near);
     char known[1024] = "";

@@ -88,6 +88,8 @@ void dict_pass(struct dict *d, int i); /* marks entry i, and all below, as read:
 /* Fails on the first key, in d and below, that no read asked for and no macro named: "FILE:LINE: keyword 'maxC0' is not
  * used; did you mean 'maxCo'?" The suggestion is one of the keys that were asked for in that dictionary. */
 status dict_check_used(const struct dict *d);
+/* Notes for that message in which dictionary a key belongs, if it stands elsewhere in the file of d. */
+void dict_belongs(const struct dict *d, const char *key, const char *where);
 const char *dict_unused(const struct dict *d); /* the first such key in d, but not below; NULL: there is none */
 void dict_mark_used(struct dict *d);           /* marks all keys in d and below as read: they are for other programs */
 

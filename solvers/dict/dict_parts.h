@@ -51,6 +51,7 @@ struct document { /* owns all memory of a dictionary */
     regex_t **pattern;
     int patterns, pattern_room;
     struct names passed; /* what was passed over, "FILE:LINE: .." */
+    struct names places; /* key, dictionary that it belongs in, key, .. (dict_belongs) */
 };
 
 /* Allocates zeroed memory that lives as long as the document; document_copy does so for a copy of a text. */
@@ -79,6 +80,9 @@ void entry_print(const struct entry *e, char *text, size_t room);
 char *entry_lines(const struct entry *e); /* the whole value with ';' behind it, its tokens on the lines they stood on;
                                              the caller frees it; NULL: no memory */
 bool entry_is_foreign(const struct entry *e); /* does it, or a value of it, come from a file outside of the case? */
+/* Returns the name that a word may stand for: the nearest, else one that the word begins with or is the begin of, as
+ * restitution for restitutionCoefficient; NULL: none. */
+const char *dict_meant(const char *word, const char *const *names, int count);
 /* Returns the error of an entry whose text messages do not show. */
 status entry_fail_hidden(const struct entry *e);
 

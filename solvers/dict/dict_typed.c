@@ -25,11 +25,6 @@ status dict_fail(const struct dict *d, const char *key, const char *format, ...)
     return fail(ERR_INPUT, "%s:%d: key '%s' is %s; %s", e->path, e->line, key, *value ? value : "empty", text);
 }
 
-/* Does a word begin with another one that is no mere letter or two? */
-static bool begins(const char *word, const char *with) {
-    return strlen(with) > 3 && !strncmp(word, with, strlen(with));
-}
-
 /* Fails for a key that is missing, with the cure, or with the key that may be it, misspelt. */
 static status missing(const struct dict *d, const char *key, const char *what, const char *cure) {
     const char **keys = calloc((size_t)d->count + 1, sizeof *keys);
@@ -37,10 +32,7 @@ static status missing(const struct dict *d, const char *key, const char *what, c
     int n = 0;
     for (int i = 0; keys && i < d->count; i++)
         if (!d->entry[i].used && !d->entry[i].foreign) keys[n++] = d->entry[i].key;
-    if (keys) near = nearest_name(key, keys, n);
-    for (int i = 0; keys && !near && i < n;
-         i++) /* a part of the word: restitution in place of restitutionCoefficient */
-        if (begins(key, keys[i]) || begins(keys[i], key)) near = keys[i];
+    if (keys) near = dict_meant(key, keys, n);
     char hint[200] = "", where[200] = "";
     if (*cure) snprintf(hint, sizeof hint, "; %s", cure);
     if (near) snprintf(hint, sizeof hint, "; this line has '%.100s': did you mean '%s'?", near, key);

@@ -71,6 +71,7 @@ static status read_params(struct dict *d, const struct model *row, void *params)
     char name[128];
     if (d) TRY(find_coeffs(d, row, &sub));
     snprintf(name, sizeof name, "%sCoeffs", row->name);
+    for (int p = 0; d && p < row->nparam; p++) dict_belongs(d, row->param[p].name, name);
     if (!sub) TRY(dict_from_text(name, "", &none));
     status s = params_read(sub ? sub : none, row->param, row->nparam, params);
     dict_free(none);

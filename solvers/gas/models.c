@@ -224,6 +224,7 @@ static status read_properties(struct dict *d, struct case_models *m) {
     struct dict *grain;
     TRY(dict_sub(d, "grain", &grain));
     TRY(params_read(grain, grain_param, grain_nparam, &m->gas.material));
+    for (int i = 0; i < grain_nparam; i++) dict_belongs(d, grain_param[i].name, "grain");
     TRY(read_families(PROPERTIES, d, m));
     TRY(check_misplaced(grain, m));
     TRY(check_misplaced(d, m));
