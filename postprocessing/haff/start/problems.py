@@ -72,13 +72,13 @@ def silo(opening, d, g):
 
 
 def column(aspect, d, g):
-    """A column 20 diameters wide and `aspect` times as high at the left end of a floor, which it runs out on."""
+    """A column 16 diameters wide and `aspect` times as high at the left end of a floor, which it runs out on."""
     if not 0.2 <= aspect <= 10:
         raise ValueError(f"-column {aspect:g}: height over width, 0.2 to 10")
-    width, height = 20, max(round(20 * aspect), 4)
+    width, height = 16, max(round(16 * aspect), 4)
     long, high = width + 2 * max(height, width), round(1.25 * height) + 4
     return Problem(geometry.box([long * d, high * d], [long, high], ("left", "right", "floor", "top")), {"left": "wall", "right": "wall", "floor": "rough", "top": "wall"},
-                   [0.0, -g, 0.0], round_up(6 * math.sqrt(2 * height * d / g)), f"{NO_FRICTION}: the heap keeps no angle, and levels out in the end",
+                   [0.0, -g, 0.0], round_up(5 * math.sqrt(2 * height * d / g)), f"{NO_FRICTION}: the heap keeps no angle, and levels out in the end",
                    start=f"x < {width * d:g} && y < {height * d:g} ? {{alpha}} : 1e-5",
                    functions=(("budget", BUDGET, "mass, momentum and energy, and what changes them: is it at rest?"),))
 

@@ -76,7 +76,7 @@ class Problems(harness.Folder, unittest.TestCase):
         case, said = self.run_new("0.05", "-column", "0.5")
         self.assertEqual(said.count("no friction with each other"), 1)
         x, y = case.centres[:, 0], case.centres[:, 1]
-        self.assertAlmostEqual(self.mean(case, y, "0"), 5e-3, delta=2e-4)  # 10 diameters high; the rest is a thin gas
+        self.assertAlmostEqual(self.mean(case, y, "0"), 4e-3, delta=2e-4)  # 8 diameters high; the rest is a thin gas
         self.assertLess(self.mean(case, y), 0.95 * self.mean(case, y, "0"))
         self.assertGreater(self.mean(case, x), 1.05 * self.mean(case, x, "0"))
         mass = [(case.field("rho", t) * case.volumes).sum() for t in ("0", None)]
