@@ -85,7 +85,7 @@ static void patch_entry(char entry[KEYWORD_TEXT], const struct boundary_type *b,
 /* The word of a boundary condition, with the fields that take it and whole entries. */
 static void boundary_word(struct keywords *k, const struct boundary_type *b) {
     const bool U = boundary_takes(b, 3), scalars = boundary_takes(b, 1);
-    char about[KEYWORD_TEXT], one[KEYWORD_TEXT] = "", other[KEYWORD_TEXT] = "", both[2 * KEYWORD_TEXT];
+    char about[KEYWORD_TEXT], one[KEYWORD_TEXT] = "", other[KEYWORD_TEXT] = "", both[KEYWORD_ENTRY];
     snprintf(about, sizeof about, "%s: %s", U && scalars ? "scalars, U" : U ? "U" : "scalars", b->model.about);
     if (scalars) patch_entry(one, b, 1);
     if (U) patch_entry(other, b, 3);

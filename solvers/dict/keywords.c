@@ -140,7 +140,7 @@ void keywords_words(struct keywords *k, const char *name, const char *const *wor
 
 /* The word of a row of a family, with its dictionary of parameters. */
 static void family_word(struct keywords *k, const struct family *f, const struct model *m) {
-    char inside[KEYWORD_TEXT] = "", entry[2 * KEYWORD_TEXT];
+    char inside[KEYWORD_TEXT] = "", entry[KEYWORD_ENTRY];
     keywords_entries(inside, m->param, m->nparam);
     const size_t used = (size_t)snprintf(entry, sizeof entry, f->list ? "%s (%s);" : "%s %s;", f->key, m->name);
     if (*inside) snprintf(entry + used, sizeof entry - used, " %sCoeffs { %s }", m->name, inside);

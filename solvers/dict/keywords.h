@@ -6,7 +6,7 @@
 
 #include "solvers/dict/family.h"
 
-enum { KEYWORD_TEXT = 600 };
+enum { KEYWORD_TEXT = 600, KEYWORD_ENTRY = 2 * KEYWORD_TEXT + 16 };
 struct keyword {
     const char *file;        /* relative to the case: "system/controlDict" */
     const char *dict;        /* dictionary in the file, with '/' between the levels; "": the file itself */
@@ -15,7 +15,7 @@ struct keyword {
     const struct param *row; /* the row of the table that says so; NULL: a family's keyword or word */
     const char *meaning;
     char type[KEYWORD_TEXT]; /* as a user writes it, with the words of a choice: "word: ascii, binary" */
-    char unit[64], range[64], standard[64], example[2 * KEYWORD_TEXT];
+    char unit[64], range[64], standard[64], example[KEYWORD_ENTRY];
 };
 
 /* A walk through the rows of a program: `take` is called for each row; file, dict and when are the place that the walk
