@@ -136,7 +136,8 @@ class Messages(harness.Folder, unittest.TestCase):
                 ["expected", case], ["contours", case, "-o", at("c.png")], ["columns", case, at("c.csv"), "0.01"],
                 ["columns", case, at("c.csv"), "0.25", "-from", "0"], ["faraday", case], ["faradayFigures", case, case, out],
                 ["clustering", "table", case, out, "0.01"], ["clustering", "alike", case, case, "0.01"], ["compare", case, self.sound],
-                ["compare", self.sound, case], ["newCase", case], ["newCase", case, "-box", "1"], ["crossCheck", case, "-h"]]
+                ["compare", self.sound, case], ["newCase", case], ["newCase", case, "-box", "1"], ["crossCheck", case, "-h"], ["report", case, "-o", at("r.html"), "-frames", "1"],
+                ["fromOpenFOAM", case, at("converted")]]
 
     def sound_ending(self, words, code, out, said, named):
         """Code 0, or one message that names something of the user's."""

@@ -152,10 +152,10 @@ class Schemes:
         return made
 
 
-def schemes_text(schemes, control, polyhedral):
-    """The new fvSchemes."""
+def schemes_text(schemes, control, polyhedral, unused):
+    """The new fvSchemes, without the entries that are not used."""
     entries = [("fluxScheme", schemes.flux, ""), *([("meshEngine", "polyhedral", "")] if polyhedral else []),
                ("reconstruct", schemes.reconstruct, " // of lattices"), ("polyReconstruct", schemes.poly, " // of other meshes"),
                ("timeScheme", control.scheme, "")]
-    return "".join(f"{key:<15} {value};{note}\n" for key, value, note in entries) + "\n// OpenFOAM's own tools want these to be there.\n" + "".join(
+    return "".join(f"{key:<15} {value};{note}\n" for key, value, note in entries if key not in unused) + "\n// OpenFOAM's own tools want these to be there.\n" + "".join(
         f"{name} {{}}\n" for name in OPENFOAM)

@@ -33,6 +33,7 @@ DROPPED = {"fvSolution": "solvers of equations that haff does not solve so", "de
            "fvOptions": "haff has the sources of granularGas -keywords sources", "radiationProperties": "haff has no radiation",
            "MRFProperties": "haff has no rotating frames", **dict.fromkeys(("chemistryProperties", "combustionProperties"), "haff has no chemistry"),
            **dict.fromkeys(("sample", "sampleDict"), "haff has such lines as function objects of the type sets, in controlDict")}
+UNUSED = re.compile(r"fvSchemes:\d+: (\w+) is not used: .*\[unusedScheme\]")
 ACCEPTED = {"temperature": "T is R times kelvin: sound is much faster than the flow",
             "openSide": "the state beyond a patch is given, whichever way U leads there"}
 
@@ -42,7 +43,7 @@ class Conversion:
 
     def __init__(self, case, new, by_block_mesh=False):
         self.case, self.new, self.report = case, new, Report()
-        self.accepted = []
+        self.accepted, self.unused = [], set()
         d = self.dictionary("system/controlDict")
         schemes = self.dictionary("system/fvSchemes")
         self.control = control.Control(d, schemes, newCase.version(), self.report)
@@ -86,7 +87,7 @@ transport        none;
         if self.mesh.has_corners():
             self.report.added("system/fvSchemes", "meshEngine polyhedral: along walls behind a corner that points into the gas the lattice engine "
                               "keeps a thicker hot layer (cases/forwardStep); meshEngine lattice takes half the time")
-        boxes.write_dictionary(self.new, "system", "fvSchemes", "\n" + control.schemes_text(self.schemes, self.control, self.mesh.has_corners()))
+        boxes.write_dictionary(self.new, "system", "fvSchemes", "\n" + control.schemes_text(self.schemes, self.control, self.mesh.has_corners(), self.unused))
         boxes.write_dictionary(self.new, "system", "fvSolution", "\n// haff's defaults: granularGas -keywords lists what may stand here.\n")
 
     def write_control(self):
@@ -115,7 +116,11 @@ transport        none;
         """What checkCase warns of at the end. Function objects that it refuses are dropped; warnings that are meant are accepted."""
         for _ in range(functions.TRIES):
             done = subprocess.run([paths.program("checkCase"), "."], cwd=self.new, capture_output=True, text=True)
-            if done.returncode == 0:
+            unused = set(UNUSED.findall(done.stdout)) - self.unused
+            if unused:  # the one of the two reconstructions that is for another kind of mesh
+                self.unused |= unused
+                self.write_schemes()
+            elif done.returncode == 0:
                 fresh = [name for name in ACCEPTED if f"[{name}]" in done.stdout and name not in self.accepted]
                 if not fresh:
                     return re.findall(r"^warning: .*", done.stdout, re.M)
@@ -179,10 +184,14 @@ def main():
     parser.add_argument("case", metavar="CASE", help="a case of OpenFOAM")
     parser.add_argument("new", metavar="NEWCASE", help="a new folder")
     o = parser.parse_args()
+    return command.ended("haff fromOpenFOAM", lambda: work(o))
+
+
+def work(o):
     try:
         report, warnings = convert(o.case, o.new)
     except (ValueError, EntryError, OSError) as wrong:  # Refused and FormatError are ValueErrors
-        print(f"error: {wrong}", file=sys.stderr)
+        print("error: " + re.sub(r"^(?=(constant|system|0|0[.]orig)/)", lambda _: os.path.join(o.case, ""), command.message(wrong)), file=sys.stderr)
         return 1
     print(report.text(), end="")
     for warning in warnings:

@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 
+from haff import command
 from haff.case import grains
 from haff.plot import log, quantity, runlog
 from haff.plot.quantity import GRAINS, CannotDraw
@@ -191,7 +192,7 @@ def verdict(path):
         from haff.runs import expected  # which needs scipy
         entries = expected.load(path, "full")
     except (ImportError, KeyError, ValueError, OSError) as why:
-        yield tag("p", ESCAPE(f"{os.path.join(path, 'expected.json')} was not compared: {type(why).__name__} {why}"), class_="quiet")
+        yield tag("p", ESCAPE(f"{os.path.join(path, 'expected.json')} was not compared: {command.message(why)}"), class_="quiet")
         return
     lines, bad = [], 0
     for entry in entries:

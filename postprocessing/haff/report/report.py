@@ -15,6 +15,7 @@ import sys
 import time
 
 import haff
+from haff import command
 from haff.plot import options, runlog
 from haff.plot.quantity import CannotDraw
 from haff.report import onecase, page, pairs, sweeps
@@ -38,7 +39,7 @@ def main():
         parser.error(f"-frames {o.frames}: 1 to 1000")
     if o.follow and o.other:
         parser.error("-follow is for one case")
-    return options.ended("haff report", lambda: work(o))
+    return command.ended("haff report", lambda: work(o))
 
 
 def report_of(o):

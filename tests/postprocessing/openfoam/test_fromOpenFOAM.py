@@ -274,9 +274,10 @@ class Dictionaries(Converting, unittest.TestCase):
         for limiter, reconstruct, poly in (("vanAlbada", "PHM", "linear"), ("upwind", "firstOrder", "firstOrder"), ("Minmod", "PHM", "linear")):
             with self.subTest(limiter):
                 schemes = foam.SCHEMES.replace("vanLeerV", limiter).replace("vanLeer", limiter).replace("Kurganov", "Tadmor")
-                self.converted(self.case(schemes=schemes))
-                self.assertEqual([self.entry(key, "fvSchemes") for key in ("fluxScheme", "reconstruct", "polyReconstruct")],
-                                 ["LaxFriedrichs", reconstruct, poly])
+                self.converted(self.case(schemes=schemes), f"-> reconstruct {reconstruct} on a lattice, polyReconstruct {poly} on other meshes")
+                self.assertEqual([self.entry(key, "fvSchemes") for key in ("fluxScheme", "reconstruct")], ["LaxFriedrichs", reconstruct])
+                with self.assertRaises(entries.EntryError):  # the mesh is a lattice
+                    self.entry("polyReconstruct", "fvSchemes")
                 shutil.rmtree(self.new())
 
     def test_functions(self):
