@@ -203,31 +203,12 @@ status models_leave(struct dict *properties) {
     return OK;
 }
 
-/* Fails on a key without use in a dictionary of constant/granularProperties that belongs in another one there: in grain
- * { }, or among the coefficients of a model that is chosen. */
-static status check_misplaced(struct dict *d, const struct case_models *m) {
-    const char *key = dict_unused(d);
-    for (int i = 0; key && i < grain_nparam; i++)
-        if (!strcmp(grain_param[i].name, key)) return dict_fail(d, key, "it belongs in  grain { }");
-    for (int i = 0; key && i < FAMILIES; i++) {
-        if (!stands_in(&families[i], PROPERTIES) || families[i].list) continue;
-        const struct model *row = *(const struct model *const *)(const void *)((const char *)m + families[i].chosen);
-        for (int k = 0; row && k < row->nparam; k++)
-            if (!strcmp(row->param[k].name, key))
-                return dict_fail(d, key, "it belongs in  %sCoeffs { %s .. }  beside `%s`", row->name, key,
-                                 families[i].key);
-    }
-    return OK;
-}
-
 static status read_properties(struct dict *d, struct case_models *m) {
     struct dict *grain;
     TRY(dict_sub(d, "grain", &grain));
     TRY(params_read(grain, grain_param, grain_nparam, &m->gas.material));
     for (int i = 0; i < grain_nparam; i++) dict_belongs(d, grain_param[i].name, "grain");
     TRY(read_families(PROPERTIES, d, m));
-    TRY(check_misplaced(grain, m));
-    TRY(check_misplaced(d, m));
     return dict_check_used(d);
 }
 
