@@ -87,8 +87,8 @@ class Folder:
         for entry in entries:
             with self.subTest(expected.describe(entry)):
                 value = expected.measure(case, entry)
-                self.assertLessEqual(abs(value - entry["value"]), entry["tolerance"],
-                                     f"{value:.9g}, expected {entry['value']:.9g}: {entry['source']}")
+                self.assertTrue(expected.as_expected(value, entry),
+                                f"{value:.9g}, expected {entry['value']:.9g} +- {entry['tolerance']:.3g}: {entry['source']}")
 
 
 def entries(name, **wanted):

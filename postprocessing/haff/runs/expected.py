@@ -291,13 +291,18 @@ def describe(entry):
     return f"{entry['quantity']} {entry.get('field', '')}{where}{moment}".replace("  ", " ").strip()
 
 
+def as_expected(value, entry):
+    """Does the value lie within the tolerance? Not a number does not."""
+    return abs(value - entry["value"]) <= entry["tolerance"]
+
+
 def judge(path, entry):
     """The value that the case in that folder has, whether it is as expected, and why there is none."""
     try:
         value = float(measure(haff.Case(os.path.join(path, entry.get("folder", ""))), entry))
     except (KeyError, OSError, ValueError) as why:
         return float("nan"), False, f"none ({command.message(why)})"
-    return value, abs(value - entry["value"]) <= entry["tolerance"], ""
+    return value, as_expected(value, entry), ""
 
 
 def make(path):

@@ -147,7 +147,13 @@ class Sampling(Temporary):
         found = case.slice("T", "y", 0.5)
         np.testing.assert_array_equal(found["T"], case.lattice().raster(linear)[:, 2, :])
         np.testing.assert_allclose(found.points[1, 2], [2.5 / 6, 0.5, 1.5 / 4], rtol=1e-14)
-        self.assertTrue((case.slice("T", "y", 1.5).cells == -1).all())
+        for axis in range(3):
+            cells = np.moveaxis(np.arange(120).reshape(4, 5, 6), 2 - axis, 0)
+            edges = case.lattice().edges[axis]
+            for at, layer in ((edges[0], 0), (edges[1], 1), (edges[-2], -1), (edges[-1], -1), (np.nextafter(edges[2], 0), 1)):  # a plane on an edge: above it
+                np.testing.assert_array_equal(case.slice("T", "xyz"[axis], at).cells, cells[layer], f"{axis} {at}")
+            for at in (np.nextafter(edges[-1], 2), np.nextafter(edges[0], -1), 1.5, -7):
+                self.assertTrue((case.slice("T", "xyz"[axis], at).cells == -1).all(), (axis, at))
         for normal, at in (((1, 1, 0.3), (0.5, 0.4, 0.6)), ((0, 0, -2), -0.4)):
             found = case.slice(["T"], normal, at, pixels=50, order=2)
             inside = (found.points > 0).all(axis=2) & (found.points < 1).all(axis=2)

@@ -241,6 +241,16 @@ class Log(Called):
         np.testing.assert_allclose(story.pace()[0], [np.nan, 0.2, np.nan, 0.25])
         self.assertEqual(story.computed, 0.75)
 
+    def test_rest_of_a_run(self):
+        """The time that is left goes by the pace of the last fifth of the clock: nothing before it tells. Each start begins anew."""
+        from haff.plot.runlog import Story
+        clock, t = np.array([0, 50, 80, 90, 100.0]), np.array([0, 5, 5.5, 5.7, 6])
+        story = Story("", "", {"clockTime": clock, "Time": t}, [""] * 5, np.zeros(5), end_time=8)
+        np.testing.assert_allclose(story.eta(), [np.nan, 3 * 50 / 5, 2.5 * 30 / 0.5, 2.3 * 10 / 0.2, 2 * 20 / 0.5])
+        story.parts, story.end_time = np.array([0, 0, 1, 1, 1]), 5
+        np.testing.assert_array_equal(np.isnan(story.eta()), [True, False, True, False, False])
+        np.testing.assert_array_equal(story.eta()[3:], 0)
+
     def test_follow_ends_with_the_run(self):
         """While another holds the lock of the case it waits; once the run has ended it says so and ends."""
         self.write("log.granularGas", LOG)

@@ -8,6 +8,8 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
+
 from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
 from tests.postprocessing.plot import cases
 from haff import command
@@ -41,6 +43,50 @@ class Own(unittest.TestCase):
             cases.fields(folder, "1", alpha=at[:, 1] + 0.01)
             code, said = called(folder)
             self.assertEqual((code, said.count("BAD")), (1, 3), said)
+
+    def test_tolerance(self):
+        """A value is right up to its tolerance on either side, and wrong beyond; what is no number, or is not there, is wrong."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            at = cases.box(folder, (4, 5, 1), (0.4, 0.5, 0.1))
+            cases.fields(folder, "1", alpha=at[:, 1] * 0 + 0.5, T=at[:, 1] * np.nan)
+            entry = {"quantity": "maximum", "field": "alpha", "time": 1, "tolerance": 0.125}
+            for value, right in ((0.5, True), (0.375, True), (0.625, True), (0.3749, False), (0.6251, False)):
+                self.assertEqual(expected.judge(folder, {**entry, "value": value}), (0.5, right, ""), value)
+            self.assertFalse(expected.judge(folder, {**entry, "field": "T", "value": 0.5})[1])
+            for missing in ({"time": 2}, {"time": 1 + 1e-8}, {"field": "rho"}, {"folder": "fine"}):
+                value, right, why = expected.judge(folder, {**entry, "value": 0.5, **missing})
+                self.assertEqual((np.isnan(value), right, why[:6]), (True, False, "none ("), missing)
+
+    def test_quantities(self):
+        """What cases measure, of fields that are known, on 8 x 5 cells of a width of 0.25 m."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            x, y, _ = cases.box(folder, (8, 5, 1), (2, 1.25, 0.1)).T
+            cases.fields(folder, "3", rho=x + y - 2, T=(x - 1.2)**2)
+            for quantity, field, value in (("minimum", "rho", -1.75), ("maximum", "rho", 1),
+                                           ("position of maximum", "rho", 1.875), ("position of maximum", "T", 0.125),
+                                           ("value at the wall", "T", 0.675**2)):
+                case = expected.haff.Case(folder)
+                self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "field": field, "time": 3}), value, 12, (quantity, field))
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            x = cases.box(folder, (8, 1, 1), (2, 0.1, 0.1))[:, 0]
+            cases.fields(folder, "3", rho=3 + x)
+            case = expected.haff.Case(folder)
+            self.assertAlmostEqual(expected.measure(case, {"quantity": "integral along x", "field": "rho", "time": 3}), 8, 12)
+            self.assertAlmostEqual(expected.measure(case, {"quantity": "sum", "field": "rho", "time": 3}), 32, 12)
+
+    def test_asymmetry(self):
+        """About the line y = 10 - x: a field that mirrors itself has none; one cell that is off by a tenth of the greatest value has that."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            x, y, z = cases.box(folder, (5, 5, 1), (10, 10, 1)).T
+            for time, more in (("1", 0), ("2", 1)):
+                rho, U = x - y + 10, np.stack((x, y - 10, 0 * z), axis=1)
+                rho[3] += 0.1 * 18 * more
+                U[3, 0] += 0.1 * 9 * more
+                cases.fields(folder, time, rho=rho, U=U)
+            case = expected.haff.Case(folder)
+            for field in ("rho", "U"):
+                for time, value in ((1, 0), (2, 0.1)):
+                    self.assertAlmostEqual(expected.measure(case, {"quantity": "asymmetry", "field": field, "time": time}), value, 12, field)
 
     def test_damaged(self):
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
