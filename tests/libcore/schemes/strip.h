@@ -16,8 +16,10 @@ struct strip { /* cells in a row, as the fluxes see them */
     double U[MAX_VAR][CELLS], F[MAX_VAR][CELLS], u[MAX_DIM][CELLS], eps[CELLS], p[CELLS], c[CELLS], g[CELLS];
     double out[MAX_VAR][CELLS];
     double fastest;
-    double gravity;      /* times the cells' width; 0: no pressure of gas at rest is taken */
-    const double *floor; /* [n] of the faces whose flux is computed, or NULL */
+    double gravity;            /* times the cells' width; 0: no pressure of gas at rest is taken */
+    bool falls;                /* does the gas feel gravity? */
+    const double *floor;       /* [n] of the faces whose flux is computed, or NULL */
+    const unsigned char *rule; /* likewise */
 };
 
 static inline void close_strip(struct strip *s) { /* from rho, u, eps */
@@ -70,7 +72,9 @@ static inline void flux_of_grains(struct strip *s, const struct material *m, con
                       .gruneisen = s->g + first,
                       .fastest = s->fastest,
                       .pace = pace,
+                      .falls = s->falls,
                       .floor = s->floor,
+                      .rule = s->rule,
                       .params = params};
     for (int v = 0; v < s->dim + 2; v++) {
         f.state[v] = s->U[v] + first;
