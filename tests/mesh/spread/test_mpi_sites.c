@@ -262,6 +262,7 @@ enum defect {
     HALF_EMPTY,
     DOUBLE,
     SHORT,
+    OPEN,
     DEFECTS
 };
 
@@ -315,6 +316,13 @@ static void rename_patch(struct patch *p, const char *name, const char *type) {
     p->neighbour = NULL;
 }
 
+/* Adds a point that no face has. */
+static void add_stray(struct polymesh *m, const double x[3]) {
+    m->points = realloc(m->points, 3 * ((size_t)m->npoints + 1) * sizeof *m->points);
+    memcpy(m->points + 3 * m->npoints, x, 3 * sizeof *m->points);
+    m->npoints++;
+}
+
 static void damage(struct polymesh *m, enum defect kind) {
     const int face = m->ninternal / 2, start = m->patch[0].start, n = m->patch[0].nfaces;
     int *p = corners(m, face);
@@ -324,11 +332,7 @@ static void damage(struct polymesh *m, enum defect kind) {
     if (kind == BOWTIE) swap(&p[0], &p[1]);
     if (kind == FLIPPED) swap(&p[0], &p[2]);
     if (kind == OWNER) swap(&m->owner[start], &m->owner[start + n - 1]);
-    if (kind == ORPHAN) {
-        m->points = realloc(m->points, 3 * ((size_t)m->npoints + 1) * sizeof *m->points);
-        memcpy(m->points + 3 * m->npoints, ((const double[3]){0.9, 0, 0}), 3 * sizeof *m->points);
-        m->npoints++;
-    }
+    if (kind == ORPHAN) add_stray(m, (const double[3]){0.9, 0, 0});
     p = corners(m, start + n / 2);
     const int first[4] = {p[0], p[1], p[2], p[3]};
     for (int i = 0; kind == TURNED && i < 4; i++) p[i] = first[(i + 1) % 4];
@@ -341,7 +345,12 @@ static void damage(struct polymesh *m, enum defect kind) {
     }
     if (kind == HALF_EMPTY) rename_patch(&m->patch[4], "z0", "empty");
     if (kind == DOUBLE) double_up(m);
-    if (kind == SHORT) m->npoints -= 1; /* the last points are named no more */
+    if (kind == SHORT) m->npoints -= 1;                     /* the last points are named no more */
+    for (int i = 0; kind == OPEN && i < m->npatches; i++) { /* the last face is gone: its cell lacks a side */
+        struct patch *last = &m->patch[i];
+        if (last->start + last->nfaces == m->nfaces) *(last->nfaces > 0 ? &last->nfaces : &last->start) -= 1;
+    }
+    m->nfaces -= kind == OPEN;
 }
 
 static void what_is_no_lattice_is_left_alone(void **state) {
@@ -357,6 +366,28 @@ static void what_is_no_lattice_is_left_alone(void **state) {
         if (found != (kind == NONE)) fail_msg("defect %d", kind);
         if (comm_size(world) == 1) assert_true(found || (!outline && !s));
         if (outline && s) assert_true(kind != BOWTIE && kind != FLIPPED && kind != TURNED && kind != HALVES);
+        spread_free(s);
+        polymesh_free(outline);
+        polymesh_free(m);
+        ok(comm_agree(world, OK));
+    }
+}
+
+/* Stray points may lie among the cells; beyond them, on any side, the box around all points is not that of the cells.
+ * No patch is cyclic here: two halves a cell too near would tell as well. */
+static void stray_points_beyond_the_cells_are_seen(void **state) {
+    (void)state;
+    const struct recipe r = {.n = {4, 3, 5}, .width = {0.1, 0.1, 0.1}};
+    for (int side = -1; side < 6; side++) {
+        struct polymesh *m = make(&r, false), *outline;
+        struct spread *s;
+        double x[3] = {0.1, 0.1, 0.1};
+        if (side >= 0) x[side / 2] = side % 2 ? 0.1 * (r.n[side / 2] + 1) : -0.1;
+        add_stray(m, x);
+        write_mesh(m, 1);
+        ok(spread_read(folder, world, true, false, &s, &outline));
+        const bool found = outline && outline->outline->sites;
+        if (found != (side < 0)) fail_msg("side %d", side);
         spread_free(s);
         polymesh_free(outline);
         polymesh_free(m);
@@ -416,11 +447,9 @@ int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sites_are_those_of_the_whole),
-        cmocka_unit_test(forests_are_those_of_the_whole),
-        cmocka_unit_test(what_is_no_lattice_is_left_alone),
-        cmocka_unit_test(walls_and_noise_are_no_lattice),
-        cmocka_unit_test(one_rank_keeps_the_arrays_that_are_wanted),
+        cmocka_unit_test(sites_are_those_of_the_whole),     cmocka_unit_test(forests_are_those_of_the_whole),
+        cmocka_unit_test(what_is_no_lattice_is_left_alone), cmocka_unit_test(stray_points_beyond_the_cells_are_seen),
+        cmocka_unit_test(walls_and_noise_are_no_lattice),   cmocka_unit_test(one_rank_keeps_the_arrays_that_are_wanted),
     };
     int failed = cmocka_run_group_tests(tests, make_folder, remove_folder);
     comm_finish(world);
