@@ -182,6 +182,50 @@ static void every_level_is_much_smaller(void **state) {
     multigrid_free(m);
 }
 
+/* x'(M + M' - A) x - x' D x of a level that is on one rank, M = D + L and what the smoother adds to D at edges: by this
+ * the error falls in a sweep. Inside the blocks M + M' - A is D. */
+static double gain_of_sweep(const struct level *l, const double *x) {
+    double sum = 0;
+    for (int i = 0; i < l->rows; i++) {
+        if (!(l->diagonal[i] > 0)) continue;
+        sum += 2 * (1 / l->inverse[i] - l->diagonal[i]) * x[i] * x[i];
+        for (int k = l->first[3 * i + 2]; k < l->first[3 * i + 3]; k++) sum += l->weight[k] * x[l->link[k]] * x[i];
+    }
+    return sum;
+}
+
+/* Sweeps converge with any blocks, as M + M' - A is positive, D at least, on every level: also for errors that change
+ * their sign from block to block, which other blocks' old values would amplify. */
+static void sweeps_lessen_every_error(void **state) {
+    (void)state;
+    struct comm *alone;
+    ok(comm_alone(&alone));
+    struct multigrid *m = make(alone);
+    int edges = 0;
+    for (int k = 0; k < CASES; k++) {
+        struct mg_grid g;
+        mg_open(&g, &cases[k], alone);
+        ok(multigrid_setup(m, &g.rows, false));
+        for (int level = 0; level < m->levels && !multigrid_is_direct(m); level++) {
+            const struct level *l = &m->level[level];
+            double *x = calloc((size_t)l->rows + 1, sizeof *x), size = 0;
+            for (int round = 0; round < 20; round++) {
+                for (int b = 0; b < l->blocks; b++)
+                    for (int i = l->block[b]; i < l->block[b + 1]; i++)
+                        x[i] = round == 0 ? (b % 2 ? -1 : 1) : mg_random((uint64_t)(1000 * round + b)) - 0.5;
+                for (int i = size = 0; i < l->rows; i++) size += l->diagonal[i] * x[i] * x[i];
+                assert_true(gain_of_sweep(l, x) >= -1e-13 * size);
+            }
+            edges += l->edges;
+            free(x);
+        }
+        mg_close(&g);
+    }
+    assert_true(edges > 1000);
+    multigrid_free(m);
+    comm_alone_free(alone);
+}
+
 /* Rows without links have x = b/d; nothing has none; without rows there is nothing to do. */
 static void rows_alone(void **state) {
     (void)state;
@@ -219,6 +263,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(remainders_fall_as_told),     cmocka_unit_test(ranks_do_not_show),
         cmocka_unit_test(aggregates_may_stay),         cmocka_unit_test(iterations_are_flat),
         cmocka_unit_test(every_level_is_much_smaller), cmocka_unit_test(rows_alone),
+        cmocka_unit_test(sweeps_lessen_every_error),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);
