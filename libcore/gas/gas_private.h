@@ -11,7 +11,10 @@
 #include "libcore/schemes/limit.h"
 
 #define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
-#define VOID 100.   /* a cell this many times thinner than one in its stencil has fluxes of first order */
+/* A face has the flux of first order if a cell of its stencil is VOID times as dense as the thinner of its two, and
+ * none on the other side VOID_BESIDE times. */
+#define VOID 100.
+#define VOID_BESIDE 4.
 /* Most of the largest rate of diffusion times half a step: beyond it sums of stages have no digit of q_0 left. */
 #define MOST_RATIO 1e16
 /* Most stages of stress, or of heat, that a half step may take before it is cut into parts. */

@@ -157,13 +157,16 @@ static void through(const struct gas *g, const struct strip *s, const struct fac
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
 }
 
-/* Takes the flux of first order at the chosen faces of a strip. */
-static void flatten(const struct gas *g, const double *U, const struct strip *s, const bool *chosen,
+/* Takes the flux of first order at the chosen faces of a strip; balanced: beside gas at rest under gravity. */
+static void flatten(const struct gas *g, const double *U, const struct strip *s, const bool *chosen, bool balanced,
                     double (*out)[BATCH], int column) {
     double lower[MAX_VAR][BATCH];
     struct faces f;
     make_faces(g, U, s, lower, 0, &f);
-    through(g, s, &f, g->first_order);
+    if (balanced)
+        through(g, s, &f, g->first_order);
+    else
+        g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < s->n; i++)
             if (chosen[i]) out[v][column + i] = lower[v][i];
@@ -177,22 +180,28 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
     const double *rho = U + s->offset, *next = rho + g->forest->stride[s->axis];
     bool packed[BATCH], any = false;
     for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], next[i]) > PACKED * g->limit;
-    if (any) flatten(g, U, s, packed, out, column);
+    if (any) flatten(g, U, s, packed, false, out, column);
 }
 
-/* Chooses the faces of cells that are VOID times thinner than another cell of the face's stencil; returns bits that are
- * all 0 if there are none. rho: of the left cells; reach: cells of the stencil on either side. */
+/* Chooses the faces of cells that are VOID times thinner than a cell of the face's stencil on one side; where the
+ * density rises on both sides, the polynomials of a smooth minimum are right. Returns bits that are all 0 if there are
+ * none. rho: of the left cells; reach: cells of the stencil on either side. */
 KERNEL static uint64_t find_voids(int n, int reach, long stride, const double *restrict rho, double *restrict thin) {
     uint64_t any = 0;
-    double most[BATCH];
+    double left[BATCH], right[BATCH];
     for (int i = 0; i < n; i++) {
-        thin[i] = smaller(rho[i], rho[i + stride]);
-        most[i] = larger(rho[i], rho[i + stride]);
+        left[i] = rho[i];
+        right[i] = rho[i + stride];
+        thin[i] = smaller(left[i], right[i]);
     }
     for (int k = 1; k < reach; k++)
-        for (int i = 0; i < n; i++) most[i] = larger(most[i], larger(rho[i - k * stride], rho[i + (k + 1) * stride]));
+        for (int i = 0; i < n; i++) {
+            left[i] = larger(left[i], rho[i - k * stride]);
+            right[i] = larger(right[i], rho[i + (k + 1) * stride]);
+        }
     for (int i = 0; i < n; i++) {
-        thin[i] = most[i] > VOID * thin[i] ? 1 : 0;
+        const double far = larger(left[i], right[i]), near = smaller(left[i], right[i]);
+        thin[i] = (far > VOID * thin[i]) & (near < VOID_BESIDE * thin[i]) ? 1 : 0;
         any |= bits_of(thin[i]);
     }
     return any;
@@ -207,7 +216,7 @@ static void flatten_voids(const struct gas *g, const double *U, const struct str
     bool chosen[BATCH];
     if (!g->tiles->work.voids || !find_voids(s->n, reach, g->forest->stride[s->axis], U + s->offset, thin)) return;
     for (int i = 0; i < s->n; i++) chosen[i] = thin[i] > 0;
-    flatten(g, U, s, chosen, out, column);
+    flatten(g, U, s, chosen, true, out, column);
 }
 
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
