@@ -100,7 +100,7 @@ class Setup(unittest.TestCase):
         show = lambda *options: subprocess.run([os.path.join(self.top, "Allrun"), *options, "wall"], capture_output=True, text=True, stdin=subprocess.DEVNULL)
         done = show()
         self.assertRegex(done.stderr, r"^haff: 1/5 packages.*\nhaff: 2/5 build, .*build/log\nhaff: 3/5 mesh .*\n"
-                                      r"haff: 4/5 run, about [\d.]+ s; log: .*/log.granularGas\nhaff: 5/5 picture\n$")
+                                      r"haff: 4/5 run, about [\d.]+ s; log: .*/log.granularGas\nhaff: 5/5 picture and report\nhaff report: .* has no times with fields: .*\n$")
         self.assertEqual((done.returncode, done.stdout), (0, "wall.png\n"))
         self.assertNotIn("speaks", done.stderr)
         with open(os.path.join(self.top, "build", "log")) as f:
