@@ -197,7 +197,7 @@ class Patches(Temporary):
                                       ("T", "zEmpty", []), ("U", "yLow", [[1, 2, 3]] * 2), ("U", "yHigh", [[0, 0, 0]] * 2),
                                       ("U", "xHigh", [[0, 4, 5], [0, 10, 11], [0, 16, 17]])):
             np.testing.assert_array_equal(case.patch_values(name, patch, 1), expected, err_msg=f"{name} {patch}")
-        with self.assertRaisesRegex(KeyError, "patches are: "):
+        with self.assertRaisesRegex(KeyError, "has no patch .*patches: "):
             case.patch_values("T", "wall")
 
     def test_binary_values(self):
