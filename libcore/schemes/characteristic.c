@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Characteristic upwinding (docs/physics.md 6.2): projects the stencils of faces on eigenbases and reconstructs field by
- * field from the upwind side. With s and d (halves of the sound, see project) in the cells of the stencils, which stay
- * in the cache, each field is a factor of the face times one line plus another: no loop here knows a reconstruction,
- * and none of a reconstruction knows the dimension. */
+/* Characteristic upwinding (docs/physics.md 6.2): projects the stencils of faces on eigenbases and reconstructs field
+ * by field from the upwind side. With s and d (halves of the sound, see project) in the cells of the stencils, which
+ * stay in the cache, each field is a factor of the face times one line plus another: no loop here knows a
+ * reconstruction, and none of a reconstruction knows the dimension. */
 #include "libcore/schemes/flux_private.h"
 
 enum { CELLS = 6, LEFT = 2 }; /* cells of a stencil; place of the left one */
