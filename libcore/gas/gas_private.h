@@ -12,7 +12,7 @@
 
 #define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
 /* A face has the flux of first order if a cell of its stencil is VOID times as dense as the thinner of its two, and
- * none on the other side VOID_BESIDE times. */
+ * none on the other side VOID_BESIDE times, where p changes by more than VOID_BESIDE, too. */
 #define VOID 100.
 #define VOID_BESIDE 4.
 /* Most of the largest rate of diffusion times half a step: beyond it sums of stages have no digit of q_0 left. */

@@ -183,25 +183,30 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
     if (any) flatten(g, U, s, packed, false, out, column);
 }
 
-/* Chooses the faces of cells that are VOID times thinner than a cell of the face's stencil on one side; where the
- * density rises on both sides, the polynomials of a smooth minimum are right. Returns bits that are all 0 if there are
- * none. rho: of the left cells; reach: cells of the stencil on either side. */
-KERNEL static uint64_t find_voids(int n, int reach, long stride, const double *restrict rho, double *restrict thin) {
+/* Chooses the faces of cells that are VOID times thinner than a cell of the face's stencil on one side, where p falls,
+ * too. Where the density rises on both sides, the polynomials of a smooth minimum are right, and across a contact p is
+ * even. Returns bits that are all 0 if there are none. rho, p: of the left cells; reach: cells of the stencil on either
+ * side. */
+KERNEL static uint64_t find_voids(int n, int reach, long stride, const double *restrict rho, const double *restrict p,
+                                  double *restrict thin) {
     uint64_t any = 0;
-    double left[BATCH], right[BATCH];
+    double left[BATCH], right[BATCH], high[BATCH];
     for (int i = 0; i < n; i++) {
         left[i] = rho[i];
         right[i] = rho[i + stride];
         thin[i] = smaller(left[i], right[i]);
+        high[i] = larger(p[i], p[i + stride]);
     }
     for (int k = 1; k < reach; k++)
         for (int i = 0; i < n; i++) {
             left[i] = larger(left[i], rho[i - k * stride]);
             right[i] = larger(right[i], rho[i + (k + 1) * stride]);
+            high[i] = larger(high[i], larger(p[i - k * stride], p[i + (k + 1) * stride]));
         }
     for (int i = 0; i < n; i++) {
         const double far = larger(left[i], right[i]), near = smaller(left[i], right[i]);
-        thin[i] = (far > VOID * thin[i]) & (near < VOID_BESIDE * thin[i]) ? 1 : 0;
+        const bool alone = (far > VOID * thin[i]) & (near < VOID_BESIDE * thin[i]);
+        thin[i] = alone & (high[i] > VOID_BESIDE * smaller(p[i], p[i + stride])) ? 1 : 0;
         any |= bits_of(thin[i]);
     }
     return any;
@@ -214,7 +219,8 @@ static void flatten_voids(const struct gas *g, const double *U, const struct str
     const int reach = g->models.reconstruct->reach + 1;
     double thin[BATCH];
     bool chosen[BATCH];
-    if (!g->tiles->work.voids || !find_voids(s->n, reach, g->forest->stride[s->axis], U + s->offset, thin)) return;
+    if (!g->tiles->work.voids) return;
+    if (!find_voids(s->n, reach, g->forest->stride[s->axis], U + s->offset, g->tiles->work.p + s->offset, thin)) return;
     for (int i = 0; i < s->n; i++) chosen[i] = thin[i] > 0;
     flatten(g, U, s, chosen, true, out, column);
 }
