@@ -12,6 +12,7 @@ import sys
 import numpy as np
 
 from haff import command
+from haff.plot.wish import named_time, times_with_results
 from haff.studies import faraday
 
 AXES = ("Tx", "Ty", "Tz")
@@ -27,11 +28,13 @@ def profile(layer, times):
 def at(case, moments, first=None):
     """{moment: profile}; moments are times or, with `first` (a cycle), phases of the shaking."""
     layer = faraday.Layer(case)
-    if first is not None and not hasattr(layer, "frequency"):
-        raise ValueError(f"{layer.case.path} is not shaken (it has no constant/shaking), so it has no phases: leave out  -from, and give times")
     if first is None:
-        return {t: profile(layer, layer.case.time(t)) for t in moments}
-    phases = layer.phases(first)
+        there = times_with_results(layer.case)
+        return {t: profile(layer, named_time(layer.case, f"{t:.12g}", there)) for t in moments}
+    try:
+        phases = layer.phases(first)
+    except ValueError as why:
+        raise ValueError(f"{why}: leave out  -from, and give times") from None
     if not phases:
         last = layer.case.time(None)
         raise ValueError(f"{layer.case.path}: no phase of the shaking was written in three cycles or more from cycle {first:g} on; "

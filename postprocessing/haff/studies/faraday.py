@@ -97,6 +97,8 @@ class Layer:
     def phases(self, first=0.0, last=np.inf, near=5e-3):
         """{phase in periods: ([cycle], [name of the time])} of the phases that come in three cycles or more, without the
         start of the case, whose fields may be expressions."""
+        if not hasattr(self, "frequency"):
+            raise ValueError(f"{self.case.path} is not shaken (it has no constant/shaking), so it has no phases")
         found = {}
         for name in self.case.times:
             cycles = float(name) * self.frequency

@@ -10,6 +10,7 @@ from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
 from tests.cases.harness import boxes
 from tests.postprocessing.plot import cases
 
+from haff.plot.quantity import CannotDraw
 from haff.studies import columns
 
 
@@ -61,6 +62,8 @@ class Columns(unittest.TestCase):
             found = columns.read(path)
             np.testing.assert_allclose(found[2.0]["alpha"], 2 * (0.05 + 0.1 * np.arange(5)), rtol=1e-4)
             np.testing.assert_allclose(found[1.0]["U"], 0.05 + 0.1 * np.arange(5), rtol=1e-4)
+            for other in (77, 1.03, -5):
+                self.assertRaisesRegex(CannotDraw, rf"has no time {other}; the nearest is \d, the times are 1 2", columns.at, folder, [other])
             self.assertRaisesRegex(ValueError, "is not shaken .* leave out  -from", columns.at, folder, [0.5], 1)
             boxes.write_dictionary(folder, "constant", "shaking", "type sinusoidal; amplitude 2; frequency 1;")
             self.assertRaisesRegex(ValueError, "three cycles or more from cycle 1 on; the last time is 2", columns.at, folder, [0.5], 1)

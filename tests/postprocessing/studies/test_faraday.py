@@ -184,6 +184,14 @@ class Files(unittest.TestCase):
         ramped = faraday.Layer(self.case)
         self.assertEqual((ramped.frequency, ramped.acceleration), (4, 2.5))
 
+    def test_without_shaking(self):
+        """A layer that is not shaken has heights, and no phases: the command says so."""
+        os.remove(os.path.join(self.case, "constant", "shaking"))
+        self.layer(1, lambda x: 8 + 0 * x)
+        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertRegex(done.stderr, r"is not shaken \(it has no constant/shaking\)")
+
     def test_mass_and_lift(self):
         """Two heights, half the columns with a third of the mass of the others."""
         x, y = self.at[:, 0], self.at[:, 1]
