@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import subprocess
 import tempfile
 import warnings
 
@@ -22,7 +21,6 @@ CURES = {"wedge": "haff has no axisymmetry: mesh a sector of 90 or 180 degrees i
          "cyclicAMI": "haff joins patches whose faces fit one to one: mesh both sides alike, and make them cyclic"}
 LEFTOVER = "defaultFaces"
 PARTS = ("points", "faces", "owner", "neighbour")
-CONTROL = "application blockMesh; startFrom startTime; startTime 0; stopAt endTime; endTime 1; deltaT 1; writeControl timeStep; writeInterval 1;\n"
 
 
 class Patch:
@@ -137,10 +135,9 @@ class Converted:
                     shutil.copytree(os.path.join(self.case, part), os.path.join(folder, part), ignore=shutil.ignore_patterns("polyMesh"))
             if not os.path.exists(os.path.join(folder, "system", "blockMeshDict")):
                 shutil.copyfile(path, os.path.join(folder, "system", "blockMeshDict"))
-            boxes.write_dictionary(folder, "system", "controlDict", CONTROL)
-            done = subprocess.run(["blockMesh", "-case", folder], capture_output=True, text=True, env=rhocentral.ENVIRONMENT)
-            if done.returncode:
-                raise Refused(f"{where}: blockMesh failed: " + " ".join((done.stderr or done.stdout).split())[:600])
+            failed = rhocentral.block_mesh(folder)
+            if failed:
+                raise Refused(f"{where}: blockMesh failed: {failed}")
             self.report.changed(where, f"OpenFOAM's blockMesh -> constant/polyMesh (as it is haff does not read it: {why})")
             self.take(os.path.join(folder, "constant", "polyMesh"))
 

@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import subprocess
+import tempfile
 
 import numpy as np
 
@@ -41,14 +42,29 @@ def append(path, text):
 
 
 def make_mesh(case, programs, cells=None):
-    """constant/polyMesh from mesh.geo, with N = cells."""
+    """constant/polyMesh from mesh.geo, with N = cells, or from system/blockMeshDict."""
+    blocks = os.path.exists(os.path.join(case, "system", "blockMeshDict"))
+    if blocks and not cells:
+        return make_blocks(case)
     if not os.path.exists(os.path.join(case, "mesh.geo")):
+        if blocks:
+            raise Refused(f"{case}: system/blockMeshDict has no number N: leave out --grids, and the mesh that it says is taken")
         raise Refused(f"{case}: no mesh.geo to make {'a grid of N = %d' % cells if cells else 'constant/polyMesh'} from")
     size = ["-setnumber", "N", str(cells)] if cells else []
     msh = os.path.join(case, "mesh.msh")
     called("gmsh", "-3", "-v", "2", *size, os.path.join(case, "mesh.geo"), "-o", msh)
     called(os.path.join(programs, "gmshToCase"), msh, "-case", case)
     os.remove(msh)
+
+
+def make_blocks(case):
+    """constant/polyMesh as OpenFOAM's blockMesh makes it."""
+    with tempfile.TemporaryDirectory(prefix="blockMesh") as folder:
+        shutil.copytree(os.path.join(case, "system"), os.path.join(folder, "system"))
+        why = rhocentral.block_mesh(folder)
+        if why:
+            raise Refused(f"{os.path.join(case, 'system', 'blockMeshDict')}: blockMesh failed: {why}")
+        shutil.move(os.path.join(folder, "constant", "polyMesh"), os.path.join(case, "constant", "polyMesh"))
 
 
 def copy(case, target, programs, cells=None):

@@ -16,6 +16,7 @@ from haff.plot.wish import named_time, times_with_results
 from haff.studies import faraday
 
 AXES = ("Tx", "Ty", "Tz")
+SAME_PHASE = 5e-3  # of the period: as near as faraday takes written phases for one
 LEAST = 2e-3  # packing of the cells that differences are taken over
 
 
@@ -39,7 +40,11 @@ def at(case, moments, first=None):
         last = layer.case.time(None)
         raise ValueError(f"{layer.case.path}: no phase of the shaking was written in three cycles or more from cycle {first:g} on; "
                          f"the last time is {last}, in cycle {float(last) * layer.frequency:g}")
-    return {p: profile(layer, phases[min(phases, key=lambda k: abs(k - p))][1]) for p in moments}
+    nearest = {p: min(phases, key=lambda k: abs(k - p)) for p in moments}
+    for p, there in nearest.items():
+        if abs(there - p) > SAME_PHASE:
+            raise ValueError(f"{layer.case.path} has no phase {p:g} of the shaking; the nearest is {there:g}, the phases are {' '.join(f'{k:g}' for k in phases)}")
+    return {p: profile(layer, phases[there][1]) for p, there in nearest.items()}
 
 
 def write(path, profiles):

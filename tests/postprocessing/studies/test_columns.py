@@ -67,6 +67,10 @@ class Columns(unittest.TestCase):
             self.assertRaisesRegex(ValueError, "is not shaken .* leave out  -from", columns.at, folder, [0.5], 1)
             boxes.write_dictionary(folder, "constant", "shaking", "type sinusoidal; amplitude 2; frequency 1;")
             self.assertRaisesRegex(ValueError, "three cycles or more from cycle 1 on; the last time is 2", columns.at, folder, [0.5], 1)
+            for time in ("3", "4"):
+                cases.fields(folder, time, alpha=at[:, 1], T=1 + at[:, 0], U=np.outer(at[:, 1], (0, 1, 0)), p=at[:, 1])
+            self.assertEqual(list(columns.at(folder, [0], 1)), [0])
+            self.assertRaisesRegex(ValueError, "has no phase 0.3 of the shaking; the nearest is 0, the phases are 0$", columns.at, folder, [0.3], 1)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness
+from tests.postprocessing.openfoam import foam
 
 import haff
 from haff.runs import rhocentral, twin
@@ -71,6 +72,22 @@ class Triangles(harness.Folder, unittest.TestCase):
         for code in ("haff", "rhoCentralFoam"):
             self.assertLess(values[f"error {code}", "rho"], 0.05)
         self.assertLess(values["difference", "rho"], values["error rhoCentralFoam", "rho"])
+
+
+@needs_foam
+class Blocks(harness.Folder, unittest.TestCase):
+    def test_fresh_from_openfoam(self):
+        """A converted case whose mesh is system/blockMeshDict, which has no constant/polyMesh: blockMesh makes it for both. Of other grids it has none."""
+        case = os.path.join(self.folder, "tube")
+        done = subprocess.run([sys.executable, "-m", "haff", "fromOpenFOAM", foam.tube(self.folder), case], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse(os.path.exists(os.path.join(case, "constant", "polyMesh")))
+        done = tool(case, "--out", os.path.join(self.folder, "out"))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        values = {(r["quantity"], r["name"]): float(r["value"]) for r in rows(os.path.join(self.folder, "out", "tube.csv"))}
+        self.assertLess(values["difference", "rho"], 0.05)  # three fronts, each over five of the 100 cells, a third of the range apart
+        self.assertFalse(os.path.exists(os.path.join(case, "constant", "polyMesh")))
+        self.assertIn("leave out --grids", tool(case, "--grids", "50", "--out", os.path.join(self.folder, "out")).stderr)
 
 
 @needs_foam
