@@ -96,6 +96,7 @@ class Report:
             found = compare.compare(*self.cases, self.common() or None, times=[float(a) for a, _ in self.pairs if float(a) > 0] or None)
         except (ValueError, OSError) as why:
             return tag("p", ESCAPE(str(why)), class_="quiet")
+        told = "".join(tag("p", ESCAPE(f"Note: {text}."), class_="quiet") for text in found.notes)
         rows, last = found.columns, found.times[-1]
         units = self.cases[0].units
         value = lambda k, name: f"{rows[name][k]:.4g}"
@@ -108,7 +109,7 @@ class Report:
         of = {n: rows["field"] == n for n in found.fields}
         curves = [(symbol(n), rows["time"][some], rows["relative"][some]) for n, some in of.items()]
         curve = overlay("Mean difference over the range", curves, across=at, y="mean / range")
-        return shown + (page.grid(page.chart(curve)) if curve else "")
+        return told + shown + (page.grid(page.chart(curve)) if curve else "")
 
     def profiles(self):
         """Profiles of both along an axis that both have, at the time of the slider."""

@@ -16,6 +16,7 @@ import os
 import numpy as np
 
 from haff.case.case import Case
+from haff.case.foam import FormatError
 from haff.case.tables import frame
 
 USUAL = ("alpha", "rho", "U", "T", "p")
@@ -29,7 +30,7 @@ class Comparison:
     columns {name: array [rows]}: time; field; L1, the mean difference; L2, the root of the mean square; max; scale, the range of the first
     case there, of a vector its greatest length; relative, L1 over scale (nan: the scale is 0); x, y, z (m) of the greatest difference;
     covered, the part of the mesh's volume in which both have values. Differences of vectors are lengths. All in the units of the field.
-    table: the same as a pandas.DataFrame, or as a numpy structured array where pandas is not installed. times, fields; names: of the two
+    notes: texts, of fields whose units differ. table: the same as a pandas.DataFrame, or as a numpy structured array where pandas is not installed. times, fields; names: of the two
     cases; case: the haff.Case whose mesh it is on."""
 
     def __init__(self, one, other, pairs, fields):
@@ -38,7 +39,18 @@ class Comparison:
         self.bridge = bridge(one, other)
         self.case, self._cases, self._pairs = self.bridge.coarse, (one, other), pairs
         rows = [self._row(k, name) for k in range(len(pairs)) for name in fields]
+        self.notes = [text for text in (self._unlike(name) for name in fields) if text]
         self.columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
+
+    def _unlike(self, name):
+        """Says that a field has another unit in each case; "" where it has not, or a file has none."""
+        try:
+            units = [case.unit(name, time) or "no unit" for case, time in zip(self._cases, self._pairs[-1])]
+        except FormatError:
+            return ""
+        one, other = self.names
+        return "" if units[0] == units[1] else (f"{name} has the unit {units[0]} in {one} and {units[1]} in {other}: "
+                                                "their numbers are compared as they are, so convert one of both first")
 
     @property
     def table(self):

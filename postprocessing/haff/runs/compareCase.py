@@ -26,6 +26,8 @@ def main():
         found = compare(o.case, o.other, o.fields or None, times=o.times, figure=o.o)
     except (ValueError, FileNotFoundError) as why:
         sys.exit(f"haff compare: {command.message(why)}")
+    for text in found.notes:
+        print(f"note: {text}", file=sys.stderr)
     if o.csv:
         found.write(o.csv)
     show = lambda v: v if isinstance(v, str) else f"{v:.4g}"

@@ -199,6 +199,14 @@ class Compared(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(done.stdout.splitlines()[1].split()[:3], ["0.5", "T", "0.1"])
         self.assertTrue({"t.csv", "f.png"} <= set(os.listdir(self.folder)))
+        path = os.path.join(b.path, "0.5", "T")
+        with open(path) as f:
+            text = f.read()
+        with open(path, "w") as f:
+            f.write(text.replace("[0 2 -2 0 0 0 0]", "[0 0 0 1 0 0 0]"))
+        done = run(a.path, b.path)
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, r"^note: T has the unit m\^2/s\^2 in a and K in b: .*convert one of both first\n$")
         done = run(a.path, b.path, "Q")
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, "^haff compare: there is no field Q")
