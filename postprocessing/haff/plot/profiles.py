@@ -43,9 +43,9 @@ def readable(case, times, wish):
 
 
 def main_axis(case, name, time, axis):
-    """The component of a vector that profiles show: along the axis, unless the field is small there beside another."""
+    """The component of a vector that a picture of profiles shows: the largest; of equal ones that along the axis."""
     values = np.abs(case.field(name, time)).max(axis=0)
-    return "xyz"[axis] if values[axis] > 0.02 * values.max() else "xyz"[int(np.argmax(values))]
+    return "xyz"[axis] if values[axis] == values.max() else "xyz"[int(np.argmax(values))]
 
 
 def curves(space, wish, names, times, values_of, along, upright=False, length=None, ends=None):

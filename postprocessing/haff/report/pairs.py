@@ -116,15 +116,18 @@ class Report:
         if profiles.axis_of(self.painters[0].space) != profiles.axis_of(self.painters[1].space):
             return
         for name in self.common():
-            both = [profiles.of_case(painter.space, [name], [p[k] for p in self.pairs]) for k, painter in enumerate(self.painters)]
-            if not all(both) or len(both[0][0]["frames"]) != len(both[1][0]["frames"]):
-                continue
-            (a,), (b,) = both
-            frames = []
-            for one, other in zip(a["frames"], b["frames"]):
-                x, series = joined([(n, c["data"][0], np.array(v, float)) for n, c, v in zip(self.names, (a, b), (one, other))])
-                frames.append([numbers(v) for _, v in series])
-            yield {**a, "labels": list(self.names), "frames": frames, "data": [numbers(x)], "gaps": True}
+            both = [{c["key"]: c for c in profiles.of_case(painter.space, [name], [p[k] for p in self.pairs])} for k, painter in enumerate(self.painters)]
+            for a, b in ((both[0][key], both[1][key]) for key in both[0] if key in both[1]):
+                if len(a["frames"]) == len(b["frames"]):
+                    yield self.beside(a, b)
+
+    def beside(self, a, b):
+        """The profiles of both cases in one chart."""
+        frames = []
+        for one, other in zip(a["frames"], b["frames"]):
+            x, series = joined([(n, c["data"][0], np.array(v, float)) for n, c, v in zip(self.names, (a, b), (one, other))])
+            frames.append([numbers(v) for _, v in series])
+        return {**a, "labels": list(self.names), "frames": frames, "data": [numbers(x)], "gaps": True}
 
     def runs(self):
         stories = [(name, story_of(case)) for name, case in zip(self.names, self.cases)]

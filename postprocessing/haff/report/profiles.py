@@ -13,6 +13,7 @@ from haff.report.pictures import LOST
 from haff.report.words import plain, symbol, with_unit
 
 MOST = 400  # places of a profile
+ROUND_OFF = 1e-10  # of the largest component: smaller ones are what sums of steps leave of 0
 
 
 def axis_of(space):
@@ -63,31 +64,38 @@ def of_case(space, names, times):
         return []
     x, mean = layers(space, axis)
     some = slice(None, None, max(-(-len(x) // MOST), 1))
-    return [c for c in (of_field(space, name, times, axis, x, mean, some) for name in names) if c]
+    return [c for name in names for c in of_field(space, name, times, axis, x, mean, some)]
 
 
 def of_field(space, name, times, axis, x, mean, some):
-    frames, shown, q = [], [], None
+    """Charts of a field: of a vector each component that is not 0 to round-off, at least that along the axis; of a tensor its size."""
+    parts, shown = {}, []
     for time in times:
         try:
             there = quantity.fields(space.case, time)
-            part = None if there.get(name, (1,))[0] == 1 else "xyz"[axis] if there[name][0] == 3 else "mag"
-            q = quantity.read(space.case, name, time, part)
-            mass = np.ones(len(q.values))
+            count, dimensions = there[name]
+            values, mass = space.case.field(name, time), np.ones(space.mesh.cells)
             if name in ("U", "T") and {"alpha", "rho"} & there.keys():
                 mass = space.case.field("alpha" if "alpha" in there else "rho", time)
-        except (CannotDraw, *LOST):
+        except (CannotDraw, KeyError, *LOST):
             continue
-        frames.append(numbers(mean(q.values, mass)[some]))
+        for part in {1: ("",), 3: "xyz"}.get(count, ("mag",)):
+            one = quantity.component_of(values, part, count) if part else values
+            frames, largest, _ = parts.get(part, ([], 0.0, None))
+            q = quantity.Quantity(name, part, dimensions, one, space.case.units)
+            parts[part] = (frames + [numbers(mean(one, mass)[some])], max(largest, *map(abs, quantity.limits(one))), plain(q.label))
         shown.append(time)
-    if not frames:
-        return None
-    units = space.case.units
-    across = space.dim > 1
-    how = "" if not across else ", mean over the mass of a layer" if name in ("U", "T") else ", mean over a layer"
-    label = plain(q.label)
-    return {"title": label + how, "x": with_unit("xyz"[axis], (0, 1, 0), units), "y": label, "log": False, "time": False, "times": shown, "frames": frames,
-            "data": [numbers(x[some])], "series": [], "about": f"Profile of {label} along {'xyz'[axis]} at {len(shown)} times"}
+    most = max((largest for _, largest, _ in parts.values()), default=0)
+    for part, (frames, largest, label) in parts.items():
+        if largest > ROUND_OFF * most or (not most and part in ("", "mag", "xyz"[axis])):
+            yield of_part(space, name + part, label, shown, axis, numbers(x[some]), frames)
+
+
+def of_part(space, key, label, times, axis, x, frames):
+    """The chart of a component; key: tells it from others of the case."""
+    how = "" if space.dim == 1 else ", mean over the mass of a layer" if key[:1] in ("U", "T") else ", mean over a layer"
+    return {"title": label + how, "key": key, "x": with_unit("xyz"[axis], (0, 1, 0), space.case.units), "y": label, "log": False, "time": False,
+            "times": times, "frames": frames, "data": [x], "series": [], "about": f"Profile of {label} along {'xyz'[axis]} at {len(times)} times"}
 
 
 # ---- lines of the function object `sets` ----

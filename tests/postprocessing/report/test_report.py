@@ -11,10 +11,13 @@ import subprocess
 import sys
 import unittest
 
+import numpy as np
+
 from tests.cases import harness
 from tests.postprocessing.plot import cases
 from tests.postprocessing.report import made
 
+from haff.plot.profiles import main_axis
 from haff.report import report
 
 
@@ -109,6 +112,19 @@ class Reports(harness.Folder, unittest.TestCase):
         alpha, T, row = case.field("alpha"), case.field("T"), case.lattice().ijk[:, 1]
         there = profiles["temperature T (m² s⁻²)"]["frames"][-1][3]
         self.assertAlmostEqual(there, (alpha * T)[row == 3].sum() / alpha[row == 3].sum(), 5)
+
+    def test_each_component_has_a_profile(self):
+        """A layer that slides down a chute moves along x, hardly along y, and not along z: the report shows the first two, the picture of a column the largest."""
+        path = self.place()
+        at = cases.box(path, (1, 20, 1), (0.1, 2, 0.1))
+        made.write(os.path.join(path, "constant", "g"), "value (4 -9 0);\n")
+        for time in ("0", "1"):
+            cases.fields(path, time, alpha=0 * at[:, 0] + 0.5, U=float(time) * np.outer(at[:, 1], (1, -0.1, 1e-14)))
+        text = self.page(path)
+        profiles = {c["y"]: c for c in data(text)["charts"] if "frames" in c}
+        self.assertEqual([name for name in profiles if "U" in name], ["velocity U_x (m s⁻¹)", "velocity U_y (m s⁻¹)"])
+        np.testing.assert_allclose(profiles["velocity U_x (m s⁻¹)"]["frames"][-1], at[:, 1], rtol=1e-5)
+        self.assertEqual(main_axis(cases.haff.Case(path), "U", "1", 1), "x")
 
     def test_tables_of_function_objects(self):
         """Lines of `sets` are profiles, at the written times that are nearest; energyBudget has one plot of what changed the energy, by cause;
