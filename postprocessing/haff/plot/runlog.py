@@ -75,6 +75,16 @@ class Story:
         values = values[np.isfinite(values)]
         return float(values[-1]) if len(values) else np.nan
 
+    def change(self, name):
+        """massChange, energyChange, smallChange over the start [n]; inf where that is 0. The log's are over the larger of start and now.
+
+        The energyChange of grains, which have no total beside it, is the balance of their energy, and stays."""
+        share = self.column(name)
+        if name.removesuffix("Change") not in self.rows:
+            return share
+        with np.errstate(divide="ignore"):
+            return np.where(share > 0, share / (1 - share), share)
+
     def pace(self):
         """Seconds of the clock per step and time of the case per second, over each row of the same start: two arrays [n], nan first."""
         clock, t, step = self.column("clockTime"), self.rows["Time"], self.rows["step"]

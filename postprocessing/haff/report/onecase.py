@@ -70,8 +70,11 @@ class Report:
             found.append(("grains", f"{len(grains.places(self.case, there[-1])):,}", ""))
         for name in log.DRIFTS:
             if story and log.there(story, name):
-                share = story.latest(name)
-                found.append((f"{log.TEXTS[name]}, change", f"{100 * share:.3g} %" if share == 0 or abs(share) > 1e-4 else f"{share:.1e}", ""))
+                share = story.change(name)[np.isfinite(story.column(name))][-1]
+                if np.isinf(share):  # from 0
+                    found.append((log.TEXTS[name], f"{story.latest(name.removesuffix('Change')):.4g}", ""))
+                else:
+                    found.append((f"{log.TEXTS[name]}, change", f"{100 * share:.3g} %" if share == 0 or abs(share) > 1e-4 else f"{share:.1e}", ""))
         n = sum(count for kind, _, count in self.facts.warnings() if kind == "warning")
         if self.facts.log:
             found.append(("warnings", str(n), "stopped" if n else ""))

@@ -133,7 +133,7 @@ class Report:
         stories = [(name, story_of(case)) for name, case in zip(self.names, self.cases)]
         units = self.cases[0].units
         for title, column, sign, dimensions in running.COMMON:
-            some = [(name, s.rows["Time"], s.column(column)) for name, s in stories if s]
+            some = [(name, s.rows["Time"], s.change(column) if column in log.DRIFTS else s.column(column)) for name, s in stories if s]
             made = overlay(title, some, across=running.time_axis(units), y=with_unit(symbol(sign), dimensions, units))
             if made:
                 yield made

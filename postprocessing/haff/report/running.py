@@ -34,8 +34,10 @@ def of_run(story, units):
     t, at = story.rows["Time"], time_axis(units)
     made = [steps(story, t, at, units)]
     made += [extreme(story, t, at, pair, units) for pair in log.EXTREMES]
-    drift = [(log.TEXTS[name], np.abs(story.column(name))) for name in log.DRIFTS]
-    made.append(chart("Change since the start", t, drift, across=at, y="|change| / start", log=True))
+    drift = {name: np.abs(story.change(name)) for name in log.DRIFTS}
+    made.append(chart("Change since the start", t, [(log.TEXTS[name], v) for name, v in drift.items()], across=at, y="|change| / start", log=True))
+    for name in (name for name, values in drift.items() if np.isinf(values).any()):  # the start is 0
+        made.append(total(story, t, at, name.removesuffix("Change"), units))
     momenta = [(name[-1], story.column(name)) for name in log.MOMENTA]
     made.append(chart("Momentum", t, moving(momenta), across=at, y=with_unit("momentum", MOMENTUM, units)))
     per_step, speed = story.pace()
@@ -61,6 +63,11 @@ def extreme(story, t, at, pair, units):
     series = [("largest", story.column(high)), ("least", story.column(low))] if high else [(sign, story.column(low))]
     title = EXTREMES.get(name, name)
     return chart(title[0].upper() + title[1:], t, series, across=at, y=with_unit(sign, KNOWN.get(name.removeprefix("mag")), units))
+
+
+def total(story, t, at, name, units):
+    label = log.TEXTS[name + "Change"]
+    return chart(label.capitalize(), t, [(label, story.column(name))], across=at, y=with_unit(label, KNOWN.get(name), units))
 
 
 def moving(series):

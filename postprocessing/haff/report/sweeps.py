@@ -153,6 +153,6 @@ def curves(sweep, cases):
     units = stories[0][2].units
     found = []
     for title, column, sign, dimensions in running.COMMON:
-        some = [(name, s.rows["Time"], s.column(column)) for name, s, _ in stories]
+        some = [(name, s.rows["Time"], s.change(column) if column in log.DRIFTS else s.column(column)) for name, s, _ in stories]
         found.append(overlay(title, some, across=running.time_axis(units), y=with_unit(symbol(sign), dimensions, units)))
     return [c for c in found if c]

@@ -77,6 +77,23 @@ class Reports(harness.Folder, unittest.TestCase):
         for chart in shown["charts"]:
             self.assertTrue(chart["x"] and chart["y"] and chart["about"], chart["title"])
 
+    def test_change_over_the_start(self):
+        """A mass that grows from 21580 to 30194 has changed by 39.9 %: run.dat, over the larger of both, says 0.285. Of a mass that was 0 the page
+        has its value."""
+        for first, told in ((21580, "mass, change</span><span class=\"value\">39.9 %"), (0, "mass</span><span class=\"value\">3.019e+04")):
+            path = os.path.join(self.place(), str(first))
+            made.gas(path, (6, 5, 1), ("0", "1"))
+            table = os.path.join(path, "postProcessing", "run", "0", "run.dat")
+            made.write(table, "# Time\tstep\tdt\tlimiter\tmass\tmassChange\tenergy\tenergyChange\tclockTime\n" + "".join(
+                f"{k}\t{k}\t{k}\tCourant\t{m}\t{(m - first) / m if m else 0:.17g}\t{9 - k}\t{-k / 9:.17g}\t{k}\n" for k, m in ((0, first), (0.5, (first + 30194) / 2), (1, 30194))))
+            text = self.page(path, "-frames", "1")
+            self.assertIn(told, text)
+            self.assertIn("energy, change</span><span class=\"value\">-11.1 %", text)
+            charts = {c["title"]: c for c in data(text)["charts"]}
+            change = dict(zip([s["label"] for s in charts["Change since the start"]["series"]], charts["Change since the start"]["data"][1:]))
+            self.assertAlmostEqual(change["energy"][-1], 1 / 9, 5)
+            self.assertEqual(change["mass"][-1] if first else charts["Mass"]["data"][1][-1], round(8614 / 21580, 6) if first else 30194)
+
     def test_needs_nothing_else(self):
         """No file, no server, no network: nothing on the page has an address but data and places on the page."""
         text = self.page(made.gas(self.place()))
