@@ -212,16 +212,35 @@ def mesh_rules(keywords, flow, pairs):
 def all_run(flow, from_geo):
     gmsh = "    gmsh -3 mesh.geo -o mesh.msh || exit 1\n" if from_geo else ""
     source = "mesh.geo" if from_geo else "mesh.msh"
+    log = f"log.{flow.o.application}"
     return f"""#!/bin/sh
-# Makes the mesh where it is older than {source}, and runs the case: ./Allrun -np 4 takes four ranks.
+# Makes the mesh where it is older than {source}, and runs the case: ./Allrun -np 4 takes four ranks. A run that has ended stays as it is.
 cd "$(dirname "$0")" || exit 1
 if [ ! -f constant/polyMesh/boundary ] || [ {source} -nt constant/polyMesh/boundary ]; then
 {gmsh}    gmshToCase mesh.msh -case . || exit 1
 fi
-echo "The log is log.{flow.o.application}; to see how the run goes: haffLog '$PWD' -follow"
-{flow.o.application} -case . "$@" >log.{flow.o.application} 2>&1 || {{ tail -n 20 log.{flow.o.application}; exit 1; }}
-tail -n 2 log.{flow.o.application}
-if command -v haff >/dev/null && report=$(haff report "$PWD"); then echo "The report is $report"; fi
+report() {{
+    if command -v haff >/dev/null && report=$(haff report "$PWD"); then echo "The report is $report"; fi
+}}
+echo "The log is {log}; to see how the run goes: haffLog '$PWD' -follow"
+[ ! -f {log} ] || mv {log} log.before # of the start before
+if ! {flow.o.application} -case . "$@" >{log} 2>&1; then
+    tail -n 20 {log}
+    report 2>/dev/null # where there are times to show
+    exit 1
+fi
+if grep -q '^nothing to do: ' {log}; then
+    changed=$(sed -n '/^Changed since/,/^nothing to do/{{/^    haff: /d;/^    /p;}}' {log}; find 0.orig -type f -newer log.before 2>/dev/null)
+    [ ! -f log.before ] || mv log.before {log}
+    if [ -n "$changed" ]; then
+        printf '%s\\n' "The run has reached its end, and this has changed since:" "$changed" "Nothing was run. To run it again:  ./Allclean && ./Allrun"
+        exit 1
+    fi
+    echo "The run has reached its end: nothing was run. To run it again:  ./Allclean && ./Allrun"
+else
+    tail -n 2 {log}
+fi
+report
 """
 
 

@@ -96,6 +96,52 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(float(made.times[-1]), end, delta=1e-6 * end)
         return made
 
+    def allrun(self, case):
+        """Exit code of the case's Allrun, what it says, and the log that is there then."""
+        env = {k: v for k, v in os.environ.items() if not k.startswith(("HAFF", "PYTHON"))}
+        done = subprocess.run([os.path.join(case, "Allrun")], capture_output=True, text=True, env={**env, "PATH": f"{harness.BIN}:/usr/bin:/bin"}, cwd="/")
+        with open(os.path.join(case, "log.granularGas")) as f:
+            return done.returncode, done.stdout, f.read()
+
+    def test_a_run_that_has_ended(self):
+        """Allrun leaves it and its log as they are; what has changed since is told, with the way to run it again; a later endTime goes on."""
+        case, _ = self.new("-box", "1", "-cells", "20", "-end", "0.2")
+        code, said, log = self.allrun(case)
+        self.assertEqual(code, 0, said)
+        self.assertIn("end at time 0.2: ", log)
+        self.assertEqual((*self.allrun(case)[::2], "nothing was run" in self.allrun(case)[1]), (0, log, True))
+        grain = os.path.join(case, "constant", "granularProperties")
+        with open(grain) as f:
+            text = f.read()
+        entries.edit(grain, {"grain/restitution": 0.7})
+        code, said, now = self.allrun(case)
+        self.assertEqual((code, now), (1, log))
+        self.assertRegex(said, r"\n    constant/granularProperties: grain.restitution 0.9 -> 0.7\n.*\./Allclean && \./Allrun\n$")
+        self.assertNotIn("The report is", said)
+        with open(grain, "w") as f:
+            f.write(text)
+        os.utime(os.path.join(case, "0.orig", "T"))
+        code, said, now = self.allrun(case)
+        self.assertEqual((code, now), (1, log))
+        self.assertIn("\n0.orig/T\n", said)
+        entries.edit(os.path.join(case, "system", "controlDict"), {"endTime": 0.3})
+        code, said, now = self.allrun(case)
+        self.assertEqual(code, 0, said)
+        self.assertIn("end at time 0.3: ", now)
+        subprocess.run([os.path.join(case, "Allclean")], check=True)
+        self.assertFalse([n for n in os.listdir(case) if n.startswith("log")])
+
+    def test_a_run_that_fails(self):
+        """Its report is made all the same, and tells why it stopped."""
+        case, _ = self.new("-box", "1", "-cells", "20", "-end", "0.2")
+        self.allrun(case)
+        entries.edit(os.path.join(case, "system", "controlDict"), {"endTime": 0.3, "maxCo": -1})
+        code, said, log = self.allrun(case)
+        self.assertEqual(code, 1)
+        self.assertIn("The report is ", said)
+        with open(os.path.join(case, "postProcessing", "report.html")) as f:
+            self.assertRegex(f.read(), r"<strong>error</strong> [^<]*maxCo")
+
     def patch(self, case, field, name):
         return entries.get(os.path.join(case, "0.orig", field), f"boundaryField/{name}/type")
 
