@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 
+import haff
 from haff import command
 from haff.case import grains
 from haff.plot import log, quantity, runlog
@@ -23,7 +24,7 @@ class Report:
     """What a page of one case is made of. make() may be called again while a run goes on."""
 
     def __init__(self, case, frames):
-        self.case, self.frames, self.painter = case, frames, None
+        self.case, self.frames, self.painter, self.faults = case, frames, None, {}
 
     def make(self, every=0.0):
         """The Page now. CannotDraw: no times, no mesh."""
@@ -35,8 +36,11 @@ class Report:
         self.facts = facts.Facts(case, there[-1])
         page = Page(os.path.basename(os.path.abspath(case.path)), unit=case.units["time"], every=every)
         page.lead = self.lead()
-        page.add("summary", "Summary", self.tiles(there), self.warnings())
         page.times = some_of(there, self.frames or self.worth(there[-1]))
+        page.told = [f"{name} has changed since time {there[-1]} was written: this page tells of the run before that" for name in self.facts.changed]
+        page.told += self.damaged(page.times)
+        self.notes = self.facts.warnings() + [("warning", text, 1) for text in page.told]
+        page.add("summary", "Summary", self.tiles(there), self.warnings())
         self.pictures(page, there[-1])
         lines = profiles.of_case(self.painter.space, self.names(there[-1]), page.times) + profiles.of_sets(case, page.times)
         page.add("profiles", "Profiles", page.grid(*(page.chart(c) for c in lines)))
@@ -75,19 +79,36 @@ class Report:
                     found.append((log.TEXTS[name], f"{story.latest(name.removesuffix('Change')):.4g}", ""))
                 else:
                     found.append((f"{log.TEXTS[name]}, change", f"{100 * share:.3g} %" if share == 0 or abs(share) > 1e-4 else f"{share:.1e}", ""))
-        n = sum(count for kind, _, count in self.facts.warnings() if kind == "warning")
-        if self.facts.log:
+        n = sum(count for kind, _, count in self.notes if kind == "warning")
+        if self.facts.log or n:
             found.append(("warnings", str(n), "stopped" if n else ""))
         return tiles(found)
 
     def warnings(self):
-        found = self.facts.warnings()
+        found = self.notes
         if not found:
             return ""
         line = lambda kind, text, n: tag("li", tag("strong", ESCAPE(kind)), " ", ESCAPE(text), f" ({n} times)" if n > 1 else "", class_=kind.split()[0])
         lines = [line(*f) for f in found[:40]]
         more = tag("p", f"and {len(found) - 40} more in {ESCAPE(self.facts.log_path)}", class_="quiet") if len(found) > 40 else ""
         return tag("ul", *lines, class_="warnings") + more
+
+    def damaged(self, times):
+        """Of the files of fields that cannot be read at these times, what is wrong and what to do."""
+        names = dict.fromkeys(name for time in times for name in quantity.fields(self.case, time))
+        return [why for time in times for name in names if (why := self.fault(name, time))]
+
+    def fault(self, name, time):
+        """What is wrong with the file of a field, "" where nothing is. What was read once is not read again."""
+        if (name, time) not in self.faults:
+            try:
+                self.case.field(name, time)
+                self.faults[name, time] = ""
+            except haff.FormatError as why:
+                self.faults[name, time] = "" if "expression" in str(why) else command.message(why)
+            except OSError:  # not written, or removed by purgeWrite
+                return ""
+        return self.faults[name, time]
 
     def models(self):
         case = self.case

@@ -32,6 +32,7 @@ class Page:
     films: list = dataclasses.field(default_factory=list)
     charts: list = dataclasses.field(default_factory=list)
     every: float = 0.0
+    told: list = dataclasses.field(default_factory=list)  # warnings of the page's own, for the terminal, too
 
     def add(self, key, name, *inside):
         """A section, unless it is empty."""

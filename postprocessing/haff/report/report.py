@@ -80,9 +80,10 @@ def work(o):
         finished = made.make()
         path = target(o)
         page.write(finished, path)
+        warn(finished.told)
         print(path)
         return
-    told = False
+    told, warned = False, []
     while True:
         going = runlog.locked(o.case)
         try:
@@ -97,9 +98,16 @@ def work(o):
         if not told:
             print(path, flush=True)
             told = True
+        warn([text for text in finished.told if text not in warned])
+        warned = finished.told
         if not going:
             return
         time.sleep(o.every)
+
+
+def warn(texts):
+    for text in texts:
+        print(f"haff report: warning: {text}", file=sys.stderr)
 
 
 if __name__ == "__main__":

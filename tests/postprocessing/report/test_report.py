@@ -77,6 +77,43 @@ class Reports(harness.Folder, unittest.TestCase):
         for chart in shown["charts"]:
             self.assertTrue(chart["x"] and chart["y"] and chart["about"], chart["title"])
 
+    def test_damaged_file(self):
+        """A field that was cut in the middle, and one that is empty, are named on the page and in the terminal, with the cure."""
+        path = made.gas(self.place(), (6, 5, 1))
+        for time, name, left in (("1", "T", 400), ("0.5", "U", 0)):
+            with open(os.path.join(path, time, name), "r+b") as f:
+                f.truncate(left)
+        code, out, told = called(path)
+        self.assertEqual(code, 0)
+        text = read(out.strip())
+        for file in ("1/T", "0.5/U"):
+            self.assertRegex(told, rf"haff report: warning: \S*/{file}: .*the file is damaged: take another time, or remove \S*/{file[:-2]}, and a run goes on")
+            self.assertRegex(text, rf"<strong>warning</strong> \S*/{file}: ")
+        self.assertEqual(told.count("warning"), 2)
+
+    def test_changed_dictionaries(self):
+        """After a run restitution is edited: the page has that of the run, by its log, or by the record of the last time where the log is of no
+        run, and says that the file has changed. A file that is newer, but says the same, has not."""
+        path = made.gas(self.place(), (6, 5, 1), ("0", "1"))
+        record = os.path.join(path, "1", "uniform", "provenance")
+        made.write(record, made.PROVENANCE.replace("dictionaries\n{", "dictionaries\n{\n    granularProperties\n    {\n        grain {\n            restitution 0.9;\n        }\n"
+                                                   "        cooling Haff;\n    }"))
+        os.utime(record, (1, 1))
+        grain, log = os.path.join(path, "constant", "granularProperties"), os.path.join(path, "log.granularGas")
+        made.write(grain, "grain { restitution 0.90; } // as it was\ncooling Haff;\n")
+        control = os.path.join(path, "system", "controlDict")
+        made.write(control, "application granularGas;\n")
+        self.assertEqual(called(path)[2], "")
+        made.write(grain, "grain { restitution 0.7; }\ncooling Haff;\n")
+        for text in (made.LOG, made.LOG.replace("0.9", "0.7").split("end at")[0] + "nothing to do: time 1 has reached endTime 1\n"):
+            made.write(log, text)
+            code, out, told = called(path)
+            self.assertEqual((code, told), (0, "haff report: warning: constant/granularProperties has changed since time 1 was written: "
+                                               "this page tells of the run before that\n"))
+            shown = read(out.strip())
+            self.assertIn("<dt>restitution</dt><dd>0.9</dd>", shown)
+            self.assertIn("<strong>warning</strong> constant/granularProperties has changed since", shown)
+
     def test_change_over_the_start(self):
         """A mass that grows from 21580 to 30194 has changed by 39.9 %: run.dat, over the larger of both, says 0.285. Of a mass that was 0 the page
         has its value."""
