@@ -64,8 +64,9 @@ def provenance(case, time):
 
 def values_of(text):
     """{path of an entry: its value} of a dictionary; empty where that is none."""
+    words = lambda value: " ".join(re.sub(r"([()\[\]])", r" \1 ", value).split())
     try:
-        return {e.path: " ".join(re.sub(r"([()\[\]])", r" \1 ", text[slice(*e.value)]).split()) for e in entries.parse(text) if not e.is_dictionary and "FoamFile" not in e.path}
+        return {e.path: words(text[slice(*e.value)]) for e in entries.parse(text) if not e.is_dictionary and "FoamFile" not in e.path}
     except entries.EntryError:
         return {}
 
@@ -79,8 +80,9 @@ def changed_since(case, time, was):
         return []
     found = []
     for name in dict.fromkeys(path[0] for path in was):
+        read = {key[1:]: value for key, value in was.items() if key[0] == name}
         for path in (os.path.join(case.path, folder, name) for folder in ("constant", "system")):
-            if os.path.isfile(path) and os.path.getmtime(path) > written and differs(runlog.read_text(path), {k[1:]: v for k, v in was.items() if k[0] == name}):
+            if os.path.isfile(path) and os.path.getmtime(path) > written and differs(runlog.read_text(path), read):
                 found.append(os.path.relpath(path, case.path))
     return found
 

@@ -30,8 +30,8 @@ class Comparison:
     columns {name: array [rows]}: time; field; L1, the mean difference; L2, the root of the mean square; max; scale, the range of the first
     case there, of a vector its greatest length; relative, L1 over scale (nan: the scale is 0); x, y, z (m) of the greatest difference;
     covered, the part of the mesh's volume in which both have values. Differences of vectors are lengths. All in the units of the field.
-    notes: texts, of fields whose units differ. table: the same as a pandas.DataFrame, or as a numpy structured array where pandas is not installed. times, fields; names: of the two
-    cases; case: the haff.Case whose mesh it is on."""
+    notes: texts, of fields whose units differ. table: columns as a pandas.DataFrame, or as a numpy structured array where pandas is not
+    installed. times, fields; names: of the two cases; case: the haff.Case whose mesh it is on."""
 
     def __init__(self, one, other, pairs, fields):
         self.names = labels(one.path, other.path)

@@ -43,7 +43,8 @@ def at(case, moments, first=None):
     nearest = {p: min(phases, key=lambda k: abs(k - p)) for p in moments}
     for p, there in nearest.items():
         if abs(there - p) > SAME_PHASE:
-            raise ValueError(f"{layer.case.path} has no phase {p:g} of the shaking; the nearest is {there:g}, the phases are {' '.join(f'{k:g}' for k in phases)}")
+            raise ValueError(f"{layer.case.path} has no phase {p:g} of the shaking; the nearest is {there:g}, "
+                             f"the phases are {' '.join(f'{k:g}' for k in phases)}")
     return {p: profile(layer, phases[there][1]) for p, there in nearest.items()}
 
 

@@ -96,8 +96,8 @@ class Reports(harness.Folder, unittest.TestCase):
         run, and says that the file has changed. A file that is newer, but says the same, has not."""
         path = made.gas(self.place(), (6, 5, 1), ("0", "1"))
         record = os.path.join(path, "1", "uniform", "provenance")
-        made.write(record, made.PROVENANCE.replace("dictionaries\n{", "dictionaries\n{\n    granularProperties\n    {\n        grain {\n            restitution 0.9;\n        }\n"
-                                                   "        cooling Haff;\n    }"))
+        entry = "    granularProperties\n    {\n        grain {\n            restitution 0.9;\n        }\n        cooling Haff;\n    }"
+        made.write(record, made.PROVENANCE.replace("dictionaries\n{", "dictionaries\n{\n" + entry))
         os.utime(record, (1, 1))
         grain, log = os.path.join(path, "constant", "granularProperties"), os.path.join(path, "log.granularGas")
         made.write(grain, "grain { restitution 0.90; } // as it was\ncooling Haff;\n")
@@ -121,8 +121,9 @@ class Reports(harness.Folder, unittest.TestCase):
             path = os.path.join(self.place(), str(first))
             made.gas(path, (6, 5, 1), ("0", "1"))
             table = os.path.join(path, "postProcessing", "run", "0", "run.dat")
-            made.write(table, "# Time\tstep\tdt\tlimiter\tmass\tmassChange\tenergy\tenergyChange\tclockTime\n" + "".join(
-                f"{k}\t{k}\t{k}\tCourant\t{m}\t{(m - first) / m if m else 0:.17g}\t{9 - k}\t{-k / 9:.17g}\t{k}\n" for k, m in ((0, first), (0.5, (first + 30194) / 2), (1, 30194))))
+            row = lambda k, m: f"{k}\t{k}\t{k}\tCourant\t{m}\t{(m - first) / m if m else 0:.17g}\t{9 - k}\t{-k / 9:.17g}\t{k}\n"
+            made.write(table, "# Time\tstep\tdt\tlimiter\tmass\tmassChange\tenergy\tenergyChange\tclockTime\n"
+                       + row(0, first) + row(0.5, (first + 30194) / 2) + row(1, 30194))
             text = self.page(path, "-frames", "1")
             self.assertIn(told, text)
             self.assertIn("energy, change</span><span class=\"value\">-11.1 %", text)
@@ -168,7 +169,7 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(there, (alpha * T)[row == 3].sum() / alpha[row == 3].sum(), 5)
 
     def test_each_component_has_a_profile(self):
-        """A layer that slides down a chute moves along x, hardly along y, and not along z: the report shows the first two, the picture of a column the largest."""
+        """A layer that slides down a chute moves along x, hardly along y, and not along z: the report shows the first two, the picture the largest."""
         path = self.place()
         at = cases.box(path, (1, 20, 1), (0.1, 2, 0.1))
         made.write(os.path.join(path, "constant", "g"), "value (4 -9 0);\n")
