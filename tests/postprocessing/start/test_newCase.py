@@ -51,6 +51,11 @@ FUNNEL = """h = 0.012; Point(1) = {-0.008, 0, 0, h}; Point(2) = {0.008, 0, 0, h}
     Physical Curve("exit") = {1}; Physical Curve("funnelWall") = {2:4, 6:8}; Physical Curve("top") = {5}; Physical Curve("rodWall") = {20, 21};
     Physical Surface("grains") = {1};"""
 GEOMETRIES["funnel"] = FUNNEL
+# two sloped walls over a slot of 0.03
+GEOMETRIES["slot"] = """h = 0.005; Point(1) = {-0.06, 0.1, 0, h}; Point(2) = {-0.06, 0.06, 0, h}; Point(3) = {-0.015, 0, 0, h}; Point(4) = {0.015, 0, 0, h};
+    Point(5) = {0.06, 0.06, 0, h}; Point(6) = {0.06, 0.1, 0, h}; Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 6};
+    Line(6) = {6, 1}; Curve Loop(1) = {1:6}; Plane Surface(1) = {1}; Physical Curve("outlet") = {3}; Physical Curve("walls") = {1, 2, 4, 5};
+    Physical Curve("top") = {6}; Physical Surface("grains") = {1};"""
 GRAVITY = "-gravity 1 -diameter 1 -restitution 0.8 -shaking 2.5,0.1 -grains disks".split()
 SPARE = "-box 40x32 -cells 20x16".split()
 
@@ -234,6 +239,18 @@ class NewCase(harness.Folder, unittest.TestCase):
         why = (r"note: gas is dense, but the last 100 steps had no implicit acoustics\. Such a step would be limited by: (?:thin gas|flow), cell at "
                r"\(\S+ \S+ \S+\) with alpha = 0\.\d+, T = \S+, c = \S+\n +to \d\S* explicit steps, and `gain` of `acoustics` asks for 8\n.*`gain`")
         self.assertEqual([len(re.findall(why, logs[word])) for word in ("written", "explicit", "default")], [0, 0, 1])
+
+    def test_slot(self):
+        """Packed gas over an outlet gets no energy there: under gravity next to nothing may flow in."""
+        case, _ = self.new(self.geo("slot"), "-gravity", "9.81", "-diameter", "1e-3", "-end", "0.16")
+        self.assertEqual(entries.get(os.path.join(case, "0.orig", "alpha"), "boundaryField/outlet/inletValue"), "uniform 1e-6")
+        self.run_case(case)
+        with open(os.path.join(case, "log.granularGas")) as f:
+            log = f.read()
+        self.assertIn("implicit acoustics", log)
+        mass, energy = np.array(re.findall(r"(?m)^ +mass (\S+) .* energy (\S+)", log), dtype=float).T
+        self.assertTrue((np.diff(mass) < 0).all(), mass)
+        self.assertLess(energy[1:].max(), energy[0])
 
     def test_rest(self):
         """A layer that nothing shakes stays where it is."""
