@@ -5,7 +5,7 @@ import re
 
 KINDS = {"wall": "a wall", "body": "a wall, whose forces are measured",
          "rough": "a wall that grains rub on (Johnson & Jackson)", "inlet": "the stream comes in",
-         "outlet": "an open side: the flow leaves as it comes, and under gravity next to nothing comes in",
+         "outlet": "an open side: the flow leaves as it comes, under gravity into a void",
          "open": "an open side: what flows in is as at the start", "symmetry": "a mirror", "periodic": "one half of a periodic pair", "empty": "the axis is not solved"}
 # Words in the names of patches. Of several words of a name the one in the first of these lists counts.
 WORDS = [("wall", "wall walls noslip slip"), ("empty", "empty"), ("symmetry", "symmetry symmetric symmetryplane mirror symm sym"), ("periodic", "periodic cyclic"),
@@ -102,8 +102,8 @@ def rules(patch, kind, flow):
     if kind == "inlet":
         return tuple(f"type fixedValue; value uniform {x};" for x in (alpha, velocity, T))
     if kind == "outlet":
-        # Under gravity a packed cell may move inwards for a moment. Packed gas that came in at its pressure would give it energy; so void comes in.
-        void = "type inletOutlet; inletValue uniform 1e-6; value uniform 1e-6;"
+        # Packed gas that leaves has no pressure but that of the gas outside. With its own, it would lean on nothing, and be pushed back in.
+        void = "type fixedValue; value uniform 1e-6;"
         return void if flow.g.any() else "type zeroGradient;", "type zeroGradient;", "type zeroGradient;"
     if kind == "open":
         return tuple(f"type inletOutlet; inletValue uniform {x}; value uniform {x};" for x in (alpha, velocity, T))

@@ -241,16 +241,16 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertEqual([len(re.findall(why, logs[word])) for word in ("written", "explicit", "default")], [0, 0, 1])
 
     def test_slot(self):
-        """Packed gas over an outlet gets no energy there: under gravity next to nothing may flow in."""
+        """Packed gas over an outlet falls out of it and gets no energy there: under gravity there is a void outside."""
         case, _ = self.new(self.geo("slot"), "-gravity", "9.81", "-diameter", "1e-3", "-end", "0.16")
-        self.assertEqual(entries.get(os.path.join(case, "0.orig", "alpha"), "boundaryField/outlet/inletValue"), "uniform 1e-6")
+        self.assertEqual(entries.get(os.path.join(case, "0.orig", "alpha"), "boundaryField/outlet/value"), "uniform 1e-6")
         self.run_case(case)
         with open(os.path.join(case, "log.granularGas")) as f:
             log = f.read()
-        self.assertIn("implicit acoustics", log)
         mass, energy = np.array(re.findall(r"(?m)^ +mass (\S+) .* energy (\S+)", log), dtype=float).T
         self.assertTrue((np.diff(mass) < 0).all(), mass)
         self.assertLess(energy[1:].max(), energy[0])
+        self.assertLess(mass[-1], 0.3 * mass[0])
 
     def test_rest(self):
         """A layer that nothing shakes stays where it is."""

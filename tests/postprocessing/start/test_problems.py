@@ -49,7 +49,7 @@ class Problems(harness.Folder, unittest.TestCase):
             self.assertLess(speed[angle], 0.1 * g[0])
             for field in "UT":
                 self.assertEqual(entries.get(os.path.join(case.path, "0.orig", field), "boundaryField/floor/type"), "JohnsonJacksonSlip")
-            self.assertEqual(entries.get(os.path.join(case.path, "0.orig", "alpha"), "boundaryField/top/type"), "inletOutlet")
+            self.assertEqual(entries.get(os.path.join(case.path, "0.orig", "alpha"), "boundaryField/top/type"), "fixedValue")
             self.assertEqual(case.table("budget").shape[1] > 5, True)
             shutil.rmtree(case.path)
         self.assertGreater(speed[15], 0)
