@@ -129,7 +129,8 @@ void dense_rates(const struct gas *g, double dt, double thin, const struct bed_r
         raise_rates(g, dt, thin, row, most);
 }
 
-static const char *const cause_name[BED_CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall"};
+static const char *const cause_name[BED_CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall",
+                                                   "packed gas at an open patch without pressure"};
 static const char *const cause_cure[BED_CAUSES + 1] = {
     "sound of gas beside the bed is explicit: a lower `dense` takes more of it into the bed, larger cells there take "
     "longer steps, and a lower `gain` (from 2 on it pays) shorter implicit ones",
@@ -137,6 +138,8 @@ static const char *const cause_cure[BED_CAUSES + 1] = {
     "hot dense gas keeps its explicit steps, which know its waves; a larger thresholdSpeed lets a bed rest, a larger "
     "`governor` takes longer steps all the same",
     "gravity asks for steps that short in such cells: larger cells, or a lower `gain` (from 2 on it pays)",
+    "zeroGradient and inletOutlet leave open how fast packed gas flows out; a void outside says it: fixedValue 1e-6 of "
+    "alpha at that patch",
     "near vacuum is that hot or fast: alphaFloor in `limits` keeps thin gas from growing so"};
 
 /* Returns the longest step that the rate of cooling in dense cells allows. In longer ones the sources take all pressure
@@ -175,6 +178,7 @@ static void find_limits(const struct gas *g, const struct bed_rates *rates, doub
     limit[BY_FLOW] = FLOW / rates->flow;
     limit[BY_COOLING] = limit_of_cooling(g, plain, rates->cooling);
     limit[BY_FALL] = FALL * fall;
+    limit[BY_OUTLET] = HUGE_VAL;
 }
 
 static int least_of(const double limit[BED_CAUSES]) {
@@ -205,7 +209,8 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     d->plain = plain;
     d->usual = usual;
     d->bound = (struct gas_bed_bound){.cause = BED_CAUSES};
-    if (count == 0 || d->pause > 0) return 0;
+    if (count == 0) return 0;
+    if (d->pause > 0) return d->leans ? refuse(d, BY_OUTLET, 1, 0, plain) : 0;
     if (FALL * fall < gain * usual) return refuse(d, BY_FALL, FALL * fall / usual, 0, plain);
     struct bed_rates rates = find_rates(g, plain);
     find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
@@ -285,6 +290,18 @@ static bool damps(struct gas *g, double dt) {
     return true;
 }
 
+/* Does packed gas lean on an open patch that gives no pressure? Then a step of the bed is wrong: gas on such a face
+ * moves as its cell did at the start, whatever p becomes, and gas that is pushed back in brings the pressure of the
+ * bed. */
+static bool leans(const struct gas *g) {
+    const struct bed *b = &g->dense->bed;
+    double found = 0;
+    for (int f = 0; f < b->faces; f++)
+        if (b->kind[f] == BED_FREE && b->U[0][b->left[f] < 0 ? b->right[f] : b->left[f]] > g->dense->above) found = 1;
+    comm_max(g->comm, &found, 1);
+    return found > 0;
+}
+
 bool dense_refused(struct gas *g, double *dt) {
     struct dense *d = g->dense;
     if (!d || !d->refused) return false;
@@ -318,6 +335,8 @@ void dense_keep(struct gas *g, double weight) {
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to) {
     struct dense *d = g->dense;
     bool done = false;
+    d->refused = d->leans = leans(g);
+    if (d->refused) return false;
     source_kick(&g->models.source, t, dt, d->kick);
     for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
     d->failed = bed_step(&d->bed, dt, d->kick, &done);

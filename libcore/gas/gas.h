@@ -143,7 +143,7 @@ struct gas_cell {
 };
 /* Why gas_bed_step planned an explicit step although gas is dense: the longest step with a bed, as the cause has it, is
  * `steps` explicit ones, and at least `gain` are asked for. */
-enum bed_cause { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, BED_CAUSES };
+enum bed_cause { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, BY_OUTLET, BED_CAUSES };
 struct gas_bed_bound {
     enum bed_cause cause;
     const char *name, *cure;      /* the cause in words, and what a case may do about it */

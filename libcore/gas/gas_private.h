@@ -33,7 +33,8 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     double longest;             /* s: the step that was planned; 0: the next step is explicit */
     struct gas_bed_bound bound; /* why it is explicit; its cause is BED_CAUSES if it is not, or no gas is dense */
     double plain, usual; /* s: the explicit step in the last plan, and that which implicit ones are compared with */
-    bool refused;        /* was the last step of the bed not taken because it would damp sound? */
+    bool refused;        /* was the last step of the bed not taken because it would damp sound, or of the outlet? */
+    bool leans;          /* did packed gas lean on an open patch without pressure in it? */
     double pause;        /* s: steps stay explicit for so long after that */
     double paused;       /* s: so long the pause was at first; a restart goes on with both */
     struct first_place *sought; /* of gas_bed_bound, while it looks for the cell; else NULL */
@@ -175,7 +176,7 @@ void dense_keep(struct gas *g, double weight);
 /* Advances the bed and puts it into `to`, behind the stages of the rest; in a guarded step the floors mend its cells.
  * Returns false, on all ranks, if the step must be done again. */
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to);
-/* Was the step of *dt just refused as it would damp the sound of the bed? Then sets *dt to an explicit one, and begins
+/* Was the step of *dt just refused by the bed? Then sets *dt to an explicit one, and begins
  * the pause. */
 bool dense_refused(struct gas *g, double *dt);
 /* A step of dt stands: the pause is shorter by that. */
