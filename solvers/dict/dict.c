@@ -283,37 +283,59 @@ const char *dict_key(const struct dict *d, int i) {
 
 /* ---- names ---- */
 
-/* Levenshtein's, of words of at most 63 characters; 64 of longer ones. */
+static int least(int a, int b) {
+    return a < b ? a : b;
+}
+
 int name_distance(const char *a, const char *b) {
-    int row[64], n = (int)strlen(a), m = (int)strlen(b);
+    int rows[3][64], n = (int)strlen(a), m = (int)strlen(b);
     if (n > 63 || m > 63) return 64;
-    for (int j = 0; j <= m; j++) row[j] = j;
-    for (int i = 1; i <= n; i++) {
-        int corner = row[0];
+    for (int i = 0; i <= n; i++) {
+        int *row = rows[i % 3], *before = rows[(i + 2) % 3], *second = rows[(i + 1) % 3];
         row[0] = i;
         for (int j = 1; j <= m; j++) {
-            int best = corner + (a[i - 1] != b[j - 1]);
-            corner = row[j];
-            if (row[j] + 1 < best) best = row[j] + 1;
-            if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
-            row[j] = best;
+            if (!i) {
+                row[j] = j;
+                continue;
+            }
+            row[j] = least(before[j - 1] + (a[i - 1] != b[j - 1]), least(before[j], row[j - 1]) + 1);
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                row[j] = least(row[j], second[j - 2] + 1);
         }
     }
-    return row[m];
+    return rows[n % 3][m];
+}
+
+/* Returns the nearest of some names but one, NULL: none is within the distance that nearest_name allows. */
+static const char *nearest_but(const char *word, const char *const *names, int count, const char *but) {
+    const char *best = NULL;
+    int nearest = 4;
+    for (int i = 0; i < count; i++) {
+        const int d = name_distance(word, names[i]), shorter = least((int)strlen(word), (int)strlen(names[i]));
+        if (d >= nearest || 2 * d > shorter || (but && !strcmp(names[i], but))) continue;
+        nearest = d;
+        best = names[i];
+    }
+    return best;
 }
 
 const char *nearest_name(const char *word, const char *const *names, int count) {
-    const char *best = NULL;
-    int least = 4, length = (int)strlen(word);
-    for (int i = 0; i < count; i++) {
-        int d = name_distance(word, names[i]), shorter = (int)strlen(names[i]);
-        if (length < shorter) shorter = length;
-        if (d < least && 2 * d <= shorter) {
-            least = d;
-            best = names[i];
-        }
-    }
-    return best;
+    return nearest_but(word, names, count, NULL);
+}
+
+/* Writes "did you mean 'NEAR'?", or 'NEAR' or 'OTHER' where the other is less than twice as far. */
+static const char *question(const char *word, const char *near, const char *const *names, int count, char out[MEANT]) {
+    const char *other = nearest_but(word, names, count, near);
+    if (other && name_distance(word, other) >= 2 * name_distance(word, near)) other = NULL;
+    snprintf(out, MEANT, "; did you mean '%.80s'%s%.80s%s?", near, other ? " or '" : "", other ? other : "",
+             other ? "'" : "");
+    return out;
+}
+
+const char *name_question(const char *word, const char *const *names, int count, char out[MEANT]) {
+    const char *near = nearest_name(word, names, count);
+    *out = 0;
+    return near ? question(word, near, names, count, out) : out;
 }
 
 /* ---- unused keys ---- */
@@ -338,8 +360,10 @@ static status unused(const struct dict *d, const struct entry *e) {
             return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used here; it belongs in  %s { %s ..; }", e->path,
                         e->line, e->key, places->name[i + 1], e->key);
     const char *near = dict_meant(e->key, a->name, a->count);
+    char meant[MEANT];
     if (near)
-        return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used; did you mean '%s'?", e->path, e->line, e->key, near);
+        return fail(ERR_INPUT, "%s:%d: keyword '%s' is not used%s", e->path, e->line, e->key,
+                    question(e->key, near, a->name, a->count, meant));
     char known[1024] = "";
     for (int i = 0; i < a->count; i++) {
         size_t n = strlen(known);

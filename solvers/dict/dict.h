@@ -99,6 +99,11 @@ char *dict_print(const struct dict *d);
 /* Returns the name nearest to `word` (edit distance at most 3 and at most half of the shorter one) for "did you mean",
  * or NULL. */
 const char *nearest_name(const char *word, const char *const *names, int count);
-int name_distance(const char *a, const char *b); /* the edit distance: letters to change, add or drop */
+/* The edit distance: letters to change, add or drop, or to swap with a neighbour; 64 of words of over 63 characters. */
+int name_distance(const char *a, const char *b);
+/* Writes and returns "; did you mean 'NAME'?" with the nearest name, "" if none is near. 'NAME' or 'OTHER': the other
+ * one is less than twice as far, so that the first is not certain. */
+enum { MEANT = 200 };
+const char *name_question(const char *word, const char *const *names, int count, char out[MEANT]);
 
 #endif

@@ -213,11 +213,10 @@ static void list_names(const char *const *names, int count, char list[900]) {
 }
 
 status dict_unknown(const struct dict *d, const char *key, const char *word, const char *const *names, int count) {
-    const char *near = nearest_name(word, names, count);
-    char list[900];
+    char list[900], meant[MEANT];
     list_names(names, count, list);
-    return dict_fail(d, key, "there is no '%s'; allowed are: %s%s%s%s", word, list, near ? "; did you mean '" : "",
-                     near ? near : "", near ? "'?" : "");
+    return dict_fail(d, key, "there is no '%s'; allowed are: %s%s", word, list,
+                     name_question(word, names, count, meant));
 }
 
 status dict_choice(struct dict *d, const char *key, const char *const *names, int count, int *index) {
@@ -236,9 +235,8 @@ status dict_choice(struct dict *d, const char *key, const char *const *names, in
             *index = i;
             return OK;
         }
-    const char *near = nearest_name(word, names, count);
-    return dict_fail(d, key, "allowed are: %s%s%s%s", list, near ? "; did you mean '" : "", near ? near : "",
-                     near ? "'?" : "");
+    char meant[MEANT];
+    return dict_fail(d, key, "allowed are: %s%s", list, name_question(word, names, count, meant));
 }
 
 /* Reads `(x y z)`, a tuple of `width` numbers, at value *i, which is moved behind it. */

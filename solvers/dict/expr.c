@@ -303,12 +303,8 @@ static status name(struct compiler *c) {
     for (; n < (int)(sizeof functions / sizeof *functions); n++) names[n] = functions[n].name;
     for (int i = 0; c->mixture && i < 2; i++) names[n++] = mixture_names[i];
     snprintf(text, sizeof text, "%.*s", length, word);
-    const char *near = length > 2 ? nearest_name(text, names, n) : NULL;
-    if (near) {
-        char question[64];
-        snprintf(question, sizeof question, "did you mean '%s'?", near);
-        return complain(c, question);
-    }
+    char meant[MEANT];
+    if (length > 2 && *name_question(text, names, n, meant)) return complain(c, meant + strlen("; "));
     if (c->foam) return complain(c, foam_known);
     return complain(
         c, "known are x y z t pi e exp log log10 sqr sqrt cbrt sin cos tan asin acos atan atan2 sinh cosh tanh pow "

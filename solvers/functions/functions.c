@@ -119,10 +119,10 @@ status function_field(struct function *f, const struct dict *d, const char *key,
         *out = k;
         if (!strcmp(word, names[k])) return function_take(f, d, key, k);
     }
-    const char *near = nearest_name(word, names, m->noffered);
+    char meant[MEANT];
     list_fields(m, known);
-    return dict_fail(d, key, "there is no field '%s'; known are %s%s%s%s", word, known, near ? "; did you mean '" : "",
-                     near ? near : "", near ? "'?" : "");
+    return dict_fail(d, key, "there is no field '%s'; known are %s%s", word, known,
+                     name_question(word, names, m->noffered, meant));
 }
 
 status function_fields(struct function *f, struct dict *d, const char *key) {

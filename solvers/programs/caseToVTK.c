@@ -119,9 +119,8 @@ static status read_one(const struct conversion *c, const struct instant *at, con
         if (!c->nfields) return OK;
         const char *names[FIELD_COUNT];
         for (int i = 0; i < FIELD_COUNT; i++) names[i] = field_kinds[i].name;
-        const char *near = nearest_name(field, names, FIELD_COUNT);
-        return fail(ERR_INPUT, "%s: no such field%s%s%s", path, near ? "; did you mean '" : "", near ? near : "",
-                    near ? "'?" : "");
+        char meant[MEANT];
+        return fail(ERR_INPUT, "%s: no such field%s", path, name_question(field, names, FIELD_COUNT, meant));
     }
     TRY(field_read_values(path, c->mesh->ncells, &list[*n].components, &values));
     list[*n].name = field;

@@ -172,6 +172,7 @@ void fix_from_error(status error, struct cures *cures) {
         meant = at + sizeof asks - 1; /* the last: hints stand before */
     if (!meant || cures->n == MOST_CURES || !read_place(text, &c)) return;
     snprintf(c.to, sizeof c.to, "%.*s", (int)strcspn(meant, "'"), meant);
+    if (strncmp(meant + strlen(c.to), "'?", 2) != 0) return; /* or another one */
     status e = text_read(c.path, &file);
     const char *at = e ? NULL : find_line(&file, c.line, &length);
     if (at && length < LINE) {

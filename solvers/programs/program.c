@@ -16,14 +16,13 @@ enum { NAMES = 9 };                            /* options of a solver, but -keyw
 enum { MOST_STARTED = 8, MOST_LAUNCHED = 64 }; /* ranks for a processor: by -np, and by mpirun, which tests overload */
 
 status option_unknown(const char *word, const char *const *names, int n) {
-    const char *near = nearest_name(word, names, n);
-    char known[512] = "";
+    char known[512] = "", meant[MEANT];
     for (int i = 0; i < n; i++) {
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, " %s", names[i]);
     }
-    return fail(ERR_INPUT, "unknown argument '%s'%s%s%s; known are%s (more with -help)", word,
-                near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "", known);
+    return fail(ERR_INPUT, "unknown argument '%s'%s; known are%s (more with -help)", word,
+                name_question(word, names, n, meant), known);
 }
 
 void program_version(const char *argv0) {

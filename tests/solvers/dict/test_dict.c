@@ -300,6 +300,14 @@ static void test_words_and_lists(void **state) {
     says(dict_choice(d, "absent", names, 3, &index), "'absent' is missing|word, work, wall");
     static const char *const near[] = {"strong", "words"};
     says(dict_choice(d, "d", near, 2, &index), "did you mean 'words'");
+    assert_int_equal(name_distance("SSPRK34", "SSPRK43"), 1);
+    assert_int_equal(name_distance("endTmie", "endTime"), 1);
+    assert_int_equal(name_distance("ca", "abc"), 3);
+    static const char *const two[] = {"SSPRK2", "SSPRK3", "SSPRK43"};
+    char meant[MEANT];
+    assert_string_equal(name_question("SSPRK34", two, 3, meant), "; did you mean 'SSPRK3' or 'SSPRK43'?");
+    assert_string_equal(name_question("SSPRK", two, 3, meant), "; did you mean 'SSPRK2' or 'SSPRK3'?");
+    assert_string_equal(name_question("nothing", two, 3, meant), "");
     dict_free(d);
 }
 

@@ -132,7 +132,7 @@ static void test_foam_scalars(void **state) {
     foam_refused("vector(1, 2, 3)", -1, "the field is a scalar");
     foam_refused("internalField(T)", -1, "known are pos().x()");
     foam_refused("tiem()", -1, "known are");
-    foam_refused("sinn(1)", -1, "did you mean 'sin'?");
+    foam_refused("sinn(1)", -1, "did you mean 'sin' or 'sinh'?");
     foam_refused("pos().w()", -1, "the field is a scalar");
 }
 

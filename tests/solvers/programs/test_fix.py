@@ -22,6 +22,7 @@ CURES = {
                           "    extremes { type fieldMinMac; fields (p); log false; }", "    extremes { type fieldMinMax; fields (p); log false; }"),
     "a field of one": (replace(CONTROL, "fields (alpha U);", "fields (alfa U);"), CONTROL, "        fields (alfa U);", "        fields (alpha U);"),
     "a type of a patch": (replace("0/T", "type slip;", "type slipp;"), "0/T", "        type slipp;", "        type slip;"),
+    "a letter and its neighbour": (replace(CONTROL, "endTime 0.002;", "enTdime 0.002;"), CONTROL, "enTdime 0.002;", "endTime 0.002;"),
     "a class": (replace("0/U", "volVectorField", "volScalarField"), "0/U", "    class       volScalarField;", "    class       volVectorField;"),
     "an object": (replace(SCHEMES, "object      fvSchemes;", "object      fvSolution;"), SCHEMES, "    object      fvSolution;",
                   "    object      fvSchemes;"),
@@ -116,6 +117,7 @@ class Fix(harness.Folder, unittest.TestCase):
 
         for name, spoil, says in (
                 ("a word that is like none", replace(SCHEMES, "fluxScheme common;", "fluxScheme Kurganov;"), "Nothing"),
+                ("a word that is as like two", replace(SCHEMES, "timeScheme SSPRK3;", "timeScheme SSPRK34;"), "Nothing"),
                 ("an amplitude in metres", replace(SHAKING, "amplitude 3;", "amplitude 0.01;"), "Nothing"),
                 ("a file beside the one that counts", write("constant/shakng", ""), "Nothing"),
                 ("what is accepted", both(CURES["an object"][0], append(CONTROL, "acceptWarnings (wrongHeader);\n")), "Nothing"),
