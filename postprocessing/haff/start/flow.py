@@ -103,6 +103,11 @@ class Flow:
         """Is gravity none of the axes?"""
         return np.count_nonzero(self.g) > 1
 
+    @property
+    def settled(self):
+        """Is the start a layer at rest by the equation of state? That wants a box, and gravity across its floor; else an expression lays the layer."""
+        return self.layer and not self.inclined and self.geometry.box
+
     def floor(self):
         """The wall across an axis that gravity points to, within 60 degrees, or None."""
         towards = self.g / np.linalg.norm(self.g)
@@ -204,7 +209,7 @@ class Flow:
 
     @property
     def start_text(self):
-        """The expression of alpha at the start: of a problem, or of a layer on a floor that gravity is inclined to."""
+        """The expression of alpha at the start: of a problem, or of a layer."""
         if self.start:
             return self.start.format(alpha=self.alpha_text)
         depth, axis, g = self.depth * self.diameter, self.down, self.geometry

@@ -53,6 +53,11 @@ class Geometry:
         return self.high - self.low
 
     @property
+    def box(self):
+        """Do the cells fill a box along the axes?"""
+        return bool(abs(self.volumes.sum() / np.prod(self.size) - 1) < 1e-9)
+
+    @property
     def cell_text(self):
         """How wide the cells are: along each axis of a lattice of equal boxes, else in the mean."""
         steps = [np.diff(self.edges[k]) for k in self.axes] if self.lattice else []

@@ -66,9 +66,9 @@ def field(keywords, name, flow, notes):
     f.note(("Volume fraction of the grains.", "Velocity of the flow.",
             "Granular temperature: the mean square of one component of the grains' random velocity, no kelvin.")[which])
     f.entry("dimensions", ("[0 0 0 0 0 0 0]", "[0 1 -1 0 0 0 0]", "[0 2 -2 0 0 0 0]")[which])
-    if name == "alpha" and (flow.start or (flow.layer and flow.inclined)):
+    if name == "alpha" and (flow.start or (flow.layer and not flow.settled)):
         f.entry("expression", f'"{flow.start_text}"', "where the grains lie at the start; almost none elsewhere")
-    elif name == "alpha" and flow.layer:
+    elif name == "alpha" and flow.settled:
         f.entry("settledLayer", f"{{ depth {flow.depth:g}; packing {flow.alpha_text}; }}",
                 "a layer at rest on the floor, by the equation of state: so many grain diameters deep where it is packed so densely")
         if flow.waves_along:

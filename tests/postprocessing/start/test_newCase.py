@@ -277,6 +277,15 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertRegex(log, r"limited by: packed gas at an open patch without pressure\n.*\n.*fixedValue 1e-6 of alpha")
         self.assertNotIn("implicit acoustics:", log)
 
+    def test_a_layer_in_no_box(self):
+        """In a closed funnel with a rod, an expression lays the layer, for a settledLayer wants a box; nothing is lost."""
+        case, said = self.new(self.geo("funnel"), "-gravity", "9.81", "-diameter", "2e-3", "-patch", "exit=wall")
+        self.assertIn("a layer, 15 diameters deep", said)
+        self.assertEqual(entries.get(os.path.join(case, "0.orig", "alpha"), "expression"), "y < 0.03 ? 0.6 : 1e-6")
+        made = self.run_case(case, 0.003)
+        mass = [(made.field("rho", t) * made.volumes).sum() for t in ("0", made.times[-1])]
+        self.assertAlmostEqual(mass[1] / mass[0], 1, delta=1e-12)
+
     def test_rest(self):
         """A layer that nothing shakes stays where it is."""
         case, said = self.new("-box", "1x1", "-cells", "10x40", "-gravity", "9.81")
