@@ -39,6 +39,7 @@ class Flow:
         self.stream = any(kind[p.name] == "inlet" for p in self.open) or bool(self.open and (o.Mach or o.speed))
         self.plate = self.floor() if np.any(self.g) and not self.stream else None
         self.layer = self.plate is not None and not self.start
+        self.lid = self.opened()
         self.falls = bool(np.any(self.g)) and not self.stream and self.plate is None  # it has no flat floor to lie on, as in a funnel
         self.restitution = o.restitution if o.restitution is not None else 0.95 if self.stream else 0.9
         self.alpha = o.alpha or (0.05 if self.stream else (0.8 if self.d == 2 else 0.6) if self.layer or self.start else 0.2)
@@ -114,6 +115,14 @@ class Flow:
         walls = [p for p in self.geometry.patches if self.kind[p.name] in ("wall", "body", "rough") and p.plane and np.abs(p.normal).max() > 1 - 1e-6]
         found = max(walls, key=lambda p: p.normal @ towards, default=None)
         return found if found is not None and found.normal @ towards > 0.5 - 1e-6 else None
+
+    def opened(self):
+        """The name of the side over a layer that slides down an inclined floor, which becomes open unless -patch says what it is; None."""
+        given = [entry.partition("=")[0] for entry in self.o.patch]
+        over = [p.name for p in self.geometry.patches if self.layer and self.inclined and not self.grains and not self.o.problem and p.plane
+                and p.normal @ self.plate.normal < -1 + 1e-6 and self.kind[p.name] == "wall" and p.name not in given]
+        self.kind.update({name: "outlet" for name in over[:1]})
+        return over[0] if over else None
 
     def check(self):
         packed = enskog.TORQUATO[self.d][1]

@@ -177,7 +177,10 @@ def make(o, folder):
             p.type = "empty" if kind[p.name] == "empty" else p.type
         found.find_axes()
     numbers_of = flow.Flow(o, found, kind)
+    unknown = [name for name in unknown if name != numbers_of.lid]
     notes = {name: "a wall, for its name says nothing else" for name in unknown}
+    if numbers_of.lid:
+        notes[numbers_of.lid] = f"{patches.KINDS['outlet']}, for the floor is inclined; else  -patch {numbers_of.lid}=wall"
     write(folder, texts.files(numbers_of, pairs, notes, version(), not (o.mesh and o.mesh.endswith(".msh"))))
     if os.path.exists(os.path.join(folder, "system", "meshDict")):
         geometry.make_poly_mesh(folder)

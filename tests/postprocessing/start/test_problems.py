@@ -86,10 +86,16 @@ class Problems(harness.Folder, unittest.TestCase):
         """A layer lies on the floor that gravity points to within 60 degrees, also if that is not below."""
         case, said = self.run_new(None, "-gravity=3.4,-9.2,0", "-box", "2x30", "-cells", "2x30", "-periodic", "left,right", "-diameter", "1")
         self.assertIn("a layer, 7.5 diameters deep", said)
+        self.assertIn("patch    top              outlet: an open side: the flow leaves as it comes, for the floor is inclined; else  -patch top=wall", said)
+        for field in ("alpha", "U", "T"):
+            self.assertEqual(entries.get(os.path.join(case.path, "0.orig", field), "boundaryField/top/type"), "zeroGradient")
         self.assertEqual(entries.get(os.path.join(case.path, "0.orig", "alpha"), "expression"), "y < 7.5 ? 0.6 : 1e-6")
         said = self.call("other", "-gravity=9,3,0", "-box", "30x4", "-cells", "30x4", "-diameter", "1")
         self.assertEqual(entries.get(os.path.join(self.folder, "other", "0.orig", "alpha"), "expression"), "x > 22.5 ? 0.6 : 1e-6")
         self.assertIn("a layer", said)
+        self.assertIn("patch    left             outlet", said)
+        self.call("lid", "-gravity=3.4,-9.2,0", "-box", "2x30", "-cells", "2x30", "-diameter", "1", "-patch", "top=wall")
+        self.assertEqual(entries.get(os.path.join(self.folder, "lid", "0.orig", "U"), "boundaryField/top/type"), "slip")
 
     def test_refused(self):
         for words, says in ((["-chute", "95"], "up to 60"), (["-silo", "5"], "an even number of 4 to 24"), (["-column", "20"], "0.2 to 10"),
