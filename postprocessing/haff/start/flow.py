@@ -105,6 +105,12 @@ class Flow:
         return np.count_nonzero(self.g) > 1
 
     @property
+    def units(self):
+        """(length, time) where gravity is the earth's in m or cm; else ("", ""), for nothing says what the numbers are measured in."""
+        g = float(np.linalg.norm(self.g))
+        return next(((length, "s") for length, earth in (("m", 9.81), ("cm", 981)) if abs(g / earth - 1) < 0.005), ("", ""))
+
+    @property
     def settled(self):
         """Is the start a layer at rest by the equation of state? That wants a box, and gravity across its floor; else an expression lays the layer."""
         return self.layer and not self.inclined and self.geometry.box

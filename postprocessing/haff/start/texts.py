@@ -3,6 +3,8 @@
 import re
 import subprocess
 
+import numpy as np
+
 from haff import paths
 from haff.start import patches
 
@@ -86,6 +88,17 @@ def field(keywords, name, flow, notes):
     return f.text()
 
 
+def units(keywords, flow):
+    f = File(keywords, "system/units")
+    f.note("What the numbers of this case are measured in: the labels of its pictures and reports. \"\": no label.")
+    length, time = flow.units
+    why = f"for gravity is {np.linalg.norm(flow.g):g}" if length else 'of the mesh; or  m, cm, "grain diameters", ..'
+    f.entry("length", length or '""', why)
+    f.entry("mass", '""', "a grain has the mass 1, so that rho counts grains")
+    f.entry("time", time or '""', why if time else "or  s, ..")
+    return f.text()
+
+
 def properties(keywords, flow):
     f = File(keywords, "constant/granularProperties")
     f.note("The grains and their gas. Units are those of the mesh; a grain has the mass 1, so that rho counts grains.")
@@ -101,7 +114,7 @@ def properties(keywords, flow):
 
 def gravity(keywords, flow):
     f = File(keywords, "constant/g")
-    f.entry("dimensions", "[0 1 -2 0 0 0 0]", "m/s^2")
+    f.entry("dimensions", "[0 1 -2 0 0 0 0]", "m/s^2" if flow.units[0] == "m" else "length over time squared")
     f.entry("value", f"({' '.join(f'{x + 0.0:g}' for x in flow.g)})")
     return f.text()
 
@@ -256,7 +269,8 @@ def files(flow, pairs, notes, version, from_geo):
     keywords = Keywords(flow.o.application)
     found = {f"0.orig/{name}": field(Keywords("granularGas") if flow.grains else keywords, name, flow, notes) for name in ("alpha", "U", "T")}
     found.update({"constant/granularProperties": properties(Keywords("granularGas"), flow), "system/controlDict": control(keywords, flow, version),
-                  "system/fvSchemes": schemes(Keywords("granularGas"), flow), "system/fvSolution": solution(Keywords("granularGas"), flow)})
+                  "system/fvSchemes": schemes(Keywords("granularGas"), flow), "system/fvSolution": solution(Keywords("granularGas"), flow),
+                  "system/units": units(keywords, flow)})
     if flow.g.any():
         found["constant/g"] = gravity(keywords, flow)
     if flow.o.shaking:

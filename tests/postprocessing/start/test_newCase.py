@@ -308,6 +308,16 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertIn("[upwardGravity]", said)
         self.assertIn("to be run with warnings", said)
 
+    def test_units(self):
+        """rho counts grains, so nothing is in kg; lengths are in m or cm where gravity is the earth's, else without a label."""
+        for g, length, time, rho in (("9.81", "m", "s", "1/m^3"), ("981", "cm", "s", "1/cm^3"), ("1", "", "", "")):
+            with self.subTest(g):
+                case = harness.haff.Case(self.new("-box", "1x1", "-cells", "8x8", "-gravity", g)[0])
+                self.assertEqual(case.units, {"length": length, "mass": "", "time": time})
+                harness.program("initialFields", case.path)
+                self.assertEqual(harness.haff.Case(case.path).unit("rho"), rho)
+        self.assertEqual(harness.haff.Case(self.new("-box", "1", "-cells", "20")[0]).units, {"length": "", "mass": "", "time": ""})
+
     def test_plate(self):
         """Its way is told: A g/(2 pi f)^2; an end before the first stroke has times of its own; a stroke in metres is warned of."""
         _, said = self.new("-box", "40x32", "-cells", "20x8", *GRAVITY, "-end", "0.02")
