@@ -22,8 +22,13 @@ ETC = os.path.join(os.environ.get("WM_PROJECT_DIR", "/usr/share/openfoam"), "etc
 
 
 class Text(str):
-    """A value with its place, FILE:LINE."""
-    place = ""
+    """A value with the place of its entry, FILE:LINE, and start: that of its first word."""
+    place = start = ""
+
+    def place_of(self, word):
+        """FILE:LINE of a word in it."""
+        file, _, line = self.start.rpartition(":")
+        return f"{file}:{int(line) + self[:max(self.find(word), 0)].count(chr(10))}" if file else self.place
 
 
 class Dictionary(dict):
@@ -78,8 +83,8 @@ def fullmatch(pattern, name, place):
 class Reader:
     """Parses one file into a dictionary; files that it includes go into the same one."""
 
-    def __init__(self, path, shown, text):
-        self.path, self.shown, self.whole = path, shown, text
+    def __init__(self, path, shown, text, first=1):
+        self.path, self.shown, self.whole, self.first = path, shown, text, first  # first: the number of its first line
         try:
             self.spans = entries.tokens(text)
         except RecursionError:
@@ -89,7 +94,7 @@ class Reader:
         return self.whole[slice(*self.spans[i])]
 
     def place(self, i):
-        return f"{self.shown}:{self.whole.count(chr(10), 0, self.spans[min(i, len(self.spans) - 1)][0]) + 1}"
+        return f"{self.shown}:{self.whole.count(chr(10), 0, self.spans[min(i, len(self.spans) - 1)][0]) + self.first}"
 
     def fill(self, scope, at=0, closed=False):
         """Entries from a token on, into scope[-1]; the token behind the } that ends them."""
@@ -136,7 +141,7 @@ class Reader:
         value = expanded(raw, scope, place)
         if not isinstance(value, Dictionary):
             value = Text(value)
-            value.place = place
+            value.place, value.start = place, self.place(at + 1)
         here.pop(name, None)
         here[name] = value
         if key.startswith('"'):
@@ -250,9 +255,10 @@ def read(path, case=None):
 
 
 def parse(text, place):
-    """The Dictionary of a text, as of what stands in a list of dictionaries."""
+    """The Dictionary of a text that begins at a place, FILE:LINE or FILE, as of what stands in a list of dictionaries."""
     found = Dictionary(place)
-    Reader(place, place, text).fill([found])
+    file, line = re.fullmatch(r"(.*?)(?::(\d+))?", place, re.S).groups()
+    Reader(file, file, text, int(line or 1)).fill([found])
     return found
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Conditions of OpenFOAM on patches as those of haff: each type, entries by groups and patterns, tables in time; checkCase takes them."""
 import os
+import tempfile
 import unittest
 
 import numpy as np
@@ -176,6 +177,40 @@ class Parts(unittest.TestCase):
         self.assertEqual(shape("boxToCell", boxes="((0 0 0) (0 1 1) (2 0 0) (3 1 1))"), [True, False, True, False])
         self.assertEqual(shape("sphereToCell", centre="(0 0 0)", radius="1"), [True, True, False, False])
         self.assertEqual(shape("cylinderToCell", p1="(-1 0 0)", p2="(1.5 0 0)", radius="1"), [True, True, False, False])
+
+    def test_no_numbers(self):
+        """What is no number in setFieldsDict is told with its file and line."""
+        good = """defaultFieldValues
+(
+    volScalarFieldValue T 300
+);
+regions
+(
+    sphereToCell
+    {
+        origin (0 0 0);
+        radius 2;
+        fieldValues
+        (
+            volScalarFieldValue T 240.5
+            volVectorFieldValue U (1 0 0)
+        );
+    }
+    boxToCell { box (0 0 0) (1 1 1); fieldValues ( volScalarFieldValue T 7 ); }
+);
+"""
+        at, T = np.zeros((1, 3)), np.zeros((1, 1))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "setFieldsDict")
+            for word, line in ((None, 0), ("300", 3), ("0 0 0);\n        radius", 9), ("2;", 10), ("240.5", 13), ("1 0 0)\n", 14), ("1 1 1", 17), ("7", 17)):
+                with open(path, "w") as f:
+                    f.write(good.replace(word, "x" + word, 1) if word else good)
+                if not word:
+                    setFields.apply(path, folder, {"T": T, "U": np.zeros((1, 3))}, at, Report())
+                    self.assertEqual(T[0, 0], 7)
+                    continue
+                with self.subTest(word), self.assertRaisesRegex(Refused, rf"^setFieldsDict:{line}: 'x[\d.]+': a number was expected$"):
+                    setFields.apply(path, folder, {"T": T, "U": np.zeros((1, 3))}, at, Report())
 
     def test_every_type_is_one_thing(self):
         """No type stands in two tables."""
