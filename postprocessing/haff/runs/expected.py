@@ -3,7 +3,7 @@
 
     haff expected CASE         prints one line per value, exit code 1 if one is outside its tolerance or missing
     haff expected CASE -make   writes expected.json of a case that has none: least, greatest and sum of its fields at its last time, so that a
-                               change is noticed (tolerance: a hundredth of the field's range; edit what you know better)
+                               change is noticed (tolerance: a hundredth of the field's range, at most a tenth of the value; edit what you know better)
 
 An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
@@ -35,6 +35,8 @@ from haff.studies import bunches, clustering, columns, faraday, shocks
 
 REFERENCES = os.path.join(TOP, "postprocessing", "references")
 CASES = os.path.join(TOP, "cases")
+COUNTS = ("limited",)  # fields of what a run did, which are no result
+ROUND_OFF = 1e-9  # over the greatest value: below it a value counts as 0
 WEDGE = np.radians(15)  # of the cases wedge15, wedge15Dilute
 # What a number is compared with.
 KINDS = {
@@ -313,12 +315,13 @@ def make(path):
     time, rows = case.time(None), []
     for field in case.fields(time):
         values = case.field(field, time)
-        if values.ndim > 1 or not np.isfinite(values).all():
+        if values.ndim > 1 or field in COUNTS or not np.isfinite(values).all():
             continue
-        tolerance = max(float(np.ptp(values)) / 100, 1e-12 * float(np.abs(values).max()))
-        for quantity, spread in (("minimum", tolerance), ("maximum", tolerance), ("sum", tolerance * len(values))):
-            rows.append({"quantity": quantity, "field": field, "time": float(time), "value": float(f"{float(QUANTITIES[quantity](case, field, time)):.12g}"),
-                         "tolerance": float(f"{spread:.3g}"), "source": "haff itself, when this file was made", "kind": "own"})
+        for quantity, cells in (("minimum", 1), ("maximum", 1), ("sum", len(values))):
+            value = float(QUANTITIES[quantity](case, field, time))
+            tolerance = max(min(float(np.ptp(values)) / 100 * cells, abs(value) / 10), ROUND_OFF * float(np.abs(values).max()) * cells)
+            rows.append({"quantity": quantity, "field": field, "time": float(time), "value": float(f"{value:.12g}"), "tolerance": float(f"{tolerance:.3g}"),
+                         "source": "haff itself, when this file was made", "kind": "own"})
     if not rows:
         raise ValueError(f"{os.path.join(path, time)} has no scalar field of finite numbers to expect")
     save(path, {"full": rows, "short": []})

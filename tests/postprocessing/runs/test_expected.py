@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import os
+import shutil
 import sys
 import tempfile
 import unittest
@@ -43,6 +44,21 @@ class Own(unittest.TestCase):
             cases.fields(folder, "1", alpha=at[:, 1] + 0.01)
             code, said = called(folder)
             self.assertEqual((code, said.count("BAD")), (1, 3), said)
+
+    def test_made_tolerances(self):
+        """A hundredth of the range, at most a tenth of the value, and no less than round-off; how often cells were limited is no result."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            x = cases.box(folder, (4, 5, 1), (0.4, 0.5, 0.1))[:, 0] / 0.35
+            spans = np.where(x < 0.2, 1e-6, 1.0)
+            cases.fields(folder, "1", alpha=spans, T=2 + x, p=np.where(x < 0.2, 0, 1.0))
+            shutil.copy(os.path.join(folder, "1", "T"), os.path.join(folder, "1", "limited"))
+            self.assertEqual(called(folder, "-make")[0], 0)
+            with open(os.path.join(folder, "expected.json")) as f:
+                made = {(e["field"], e["quantity"]): e["tolerance"] for e in json.load(f)["full"]}
+            self.assertEqual({field for field, _ in made}, {"alpha", "T", "p"})
+            for (field, quantity), tolerance in ((("alpha", "minimum"), 1e-7), (("alpha", "maximum"), 0.01), (("alpha", "sum"), 0.2),
+                                                 (("T", "minimum"), 6 / 7 / 100), (("p", "minimum"), 1e-9)):
+                self.assertAlmostEqual(made[field, quantity] / tolerance, 1, 2, (field, quantity))
 
     def test_tolerance(self):
         """A value is right up to its tolerance on either side, and wrong beyond; what is no number, or is not there, is wrong."""
