@@ -222,7 +222,7 @@ const struct boundary_type boundary_table[] = {
                 "the same, moving along itself: U (ux uy uz);  or  U table ((t (ux uy uz)) ..);", moving_param),
      HOLDS, .transport = true, .velocity = moving_velocity},
     {MODEL_WITH("granularWall",
-                "T at a wall that takes what impacts lose: restitution e; 0 to 1 (OpenFOAM's tools want a value, too)",
+                "wall that takes what impacts lose: restitution e; 0 to 1 (OpenFOAM's tools want a value, too)",
                 granular_param),
      FIELDS(true, false), .transport = true, .ghost = copy, .heat = granular_heat},
     {MODEL_WITH("JohnsonJacksonSlip",

@@ -82,18 +82,40 @@ static void patch_entry(char entry[KEYWORD_TEXT], const struct boundary_type *b,
         snprintf(entry + used, KEYWORD_TEXT - used, " value uniform %s;", components == 1 ? "0.3" : "(0 0 0)");
 }
 
+/* Is a scalar that has it T, for it says what heat crosses a wall? */
+static bool is_of_heat(const struct boundary_type *b) {
+    return b->heat && !boundary_value(b, 1);
+}
+
+const char *boundary_fields(const struct boundary_type *b) {
+    const bool U = boundary_takes(b, 3);
+    if (!boundary_takes(b, 1)) return "U";
+    if (is_of_heat(b)) return U ? "T, U" : "T";
+    return U ? "scalars, U" : "scalars";
+}
+
+/* Returns those of several files that may have it; NULL: all. */
+static const char *files_with(const struct boundary_type *b, const char *file) {
+    if (!strchr(file, ',')) return NULL;
+    if (!boundary_takes(b, 1)) return "0.orig/U";
+    if (!is_of_heat(b)) return NULL;
+    return boundary_takes(b, 3) ? "0.orig/U, 0.orig/T" : "0.orig/T";
+}
+
 /* The word of a boundary condition, with the fields that take it and whole entries. */
 static void boundary_word(struct keywords *k, const struct boundary_type *b) {
     const bool U = boundary_takes(b, 3), scalars = boundary_takes(b, 1);
     char about[KEYWORD_TEXT], one[KEYWORD_TEXT] = "", other[KEYWORD_TEXT] = "", both[KEYWORD_ENTRY];
-    snprintf(about, sizeof about, "%s: %s", U && scalars ? "scalars, U" : U ? "U" : "scalars", b->model.about);
+    snprintf(about, sizeof about, "%s: %s", boundary_fields(b), b->model.about);
     if (scalars) patch_entry(one, b, 1);
     if (U) patch_entry(other, b, 3);
     snprintf(both, sizeof both, "%s    in U: %s", one, other);
+    k->only = files_with(b, k->file);
     keywords_word(k, "type", b->model.name, about,
                   !U || (scalars && !strcmp(one, other)) ? one
                   : scalars                              ? both
                                                          : other);
+    k->only = NULL;
 }
 
 /* The parameters and values of a boundary condition. */
@@ -101,9 +123,11 @@ static void boundary_keywords(struct keywords *k, const char *file, const struct
     const char *scalar = boundary_value(b, 1), *value = scalar ? scalar : boundary_value(b, 3);
     char entry[80];
     keywords_at(k, file, PATCH_DICT, b->model.name);
+    k->only = files_with(b, file);
     keywords_params(k, b->model.param, b->model.nparam);
     if (b->giving == BY_RATE) keywords_params(k, rate_param, COUNT(rate_param));
     if (b->giving == BY_LIST && (value || b->velocity)) keywords_params(k, &varying_param[scalar ? 0 : 1], 1);
+    k->only = NULL;
     if (!value) return;
     snprintf(entry, sizeof entry, "%s %s;", value, scalar ? forms[b->giving].scalar : forms[b->giving].vector);
     const struct param row = NOTED(value, forms[b->giving].type, NULL,

@@ -62,6 +62,7 @@ status field_agree(const struct field_place *at, status mine);
 /* Goes through the keywords of a field's file, or of several alike, with the boundary conditions that are offered
  * (NULL: all). */
 struct boundary_type;
+const char *boundary_fields(const struct boundary_type *b); /* "scalars, U": which fields may have it */
 void fields_keywords(struct keywords *k, const char *file, bool (*offered)(const struct boundary_type *b));
 
 void field_centre(const struct field_place *at, long cell, double x[3]); /* the centre of a cell, m */

@@ -96,7 +96,7 @@ void keywords_entries(char entry[KEYWORD_TEXT], const struct param *table, int n
 /* ---- the walk ---- */
 
 static struct keyword keyword_at(const struct keywords *k) {
-    return (struct keyword){.file = k->file, .dict = k->dict, .when = k->when};
+    return (struct keyword){.file = k->file, .only = k->only, .dict = k->dict, .when = k->when};
 }
 
 void keywords_at(struct keywords *k, const char *file, const char *dict, const char *when) {
@@ -198,15 +198,15 @@ struct page { /* what is printed so far */
 };
 
 /* Writes "FILE: DICT, type WORD". */
-static void say_place(const struct keyword *k, char text[KEYWORD_TEXT]) {
-    snprintf(text, KEYWORD_TEXT, "%s%s%s%s%s", k->file, *k->dict ? ": " : "", k->dict, k->when ? ", type " : "",
+static void say_place(const struct keyword *k, const char *file, char text[KEYWORD_TEXT]) {
+    snprintf(text, KEYWORD_TEXT, "%s%s%s%s%s", file, *k->dict ? ": " : "", k->dict, k->when ? ", type " : "",
              k->when ? k->when : "");
 }
 
 /* Is the row in another dictionary than the last one? */
 static bool moves(struct page *p, const struct keyword *k) {
     char place[KEYWORD_TEXT];
-    say_place(k, place);
+    say_place(k, k->file, place);
     const bool moved = strcmp(place, p->place) != 0;
     memcpy(p->place, place, sizeof place);
     return moved;
@@ -243,7 +243,7 @@ static void print_named(void *context, const struct keyword *k) {
     struct page *p = context;
     char place[KEYWORD_TEXT];
     if (!is_named(k, p->name)) return;
-    say_place(k, place);
+    say_place(k, k->only ? k->only : k->file, place);
     fprintf(p->f, "%s%s%s%s\n", p->found++ ? "\n" : "", k->name, k->word ? " " : "", k->word ? k->word : "");
     print_field(p->f, "in", place);
     print_field(p->f, "type", k->type);

@@ -8,7 +8,8 @@
 
 enum { KEYWORD_TEXT = 600, KEYWORD_ENTRY = 2 * KEYWORD_TEXT + 16 };
 struct keyword {
-    const char *file;        /* relative to the case: "system/controlDict" */
+    const char *file;        /* relative to the case: "system/controlDict"; of files alike, ", " between them */
+    const char *only;        /* those of the files that take the row; NULL: all */
     const char *dict;        /* dictionary in the file, with '/' between the levels; "": the file itself */
     const char *when;        /* word of the `type` of that dictionary that the row belongs to; NULL: any */
     const char *name, *word; /* word: what the row is about is that word as a value of the keyword; NULL: the keyword */
@@ -23,7 +24,7 @@ struct keyword {
 struct keywords {
     void (*take)(void *context, const struct keyword *k);
     void *context;
-    const char *file, *dict, *when;
+    const char *file, *dict, *when, *only; /* only is set, and set back, around the rows that it is of */
 };
 typedef void keywords_walk(struct keywords *k, const void *of);
 

@@ -443,13 +443,9 @@ void models_keywords(struct keywords *k) {
 void boundaries_list(FILE *f) {
     for (int i = 0; i < boundary_count; i++) {
         const struct boundary_type *b = &boundary_table[i];
-        const bool U = boundary_takes(b, 3), scalars = boundary_takes(b, 1);
-        const char *value = boundary_value(b, U ? 3 : 1);
-        fprintf(f, "  %-24s %-11s %s%s%s\n", b->model.name,
-                U && scalars ? "scalars, U"
-                : U          ? "U"
-                             : "scalars",
-                b->model.about, value ? "; needs " : "", value ? value : "");
+        const char *value = boundary_value(b, boundary_takes(b, 3) ? 3 : 1);
+        fprintf(f, "  %-24s %-11s %s%s%s\n", b->model.name, boundary_fields(b), b->model.about, value ? "; needs " : "",
+                value ? value : "");
     }
     fprintf(f, "  %-24s %-11s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
     fprintf(f, "  %-24s %-11s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");

@@ -119,6 +119,11 @@ def reference(program):
     return rows
 
 
+def takes_it(file, fields):
+    """Does a boundary condition of these fields ("scalars", "U", "T") go into that file?"""
+    return "U" in fields if file == "0.orig/U" else "scalars" in fields or (file == "0.orig/T" and "T" in fields)
+
+
 class Sources(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -186,6 +191,13 @@ class Options(unittest.TestCase):
     def test_words_and_dictionaries(self):
         self.assertIn("cooling Haff;", harness.program("granularGas", "-keywords", "Haff").stdout)
         self.assertIn("knudsenCut", harness.program("granularGas", "-keywords", "GarzoDuftyCoeffs").stdout)
+        every = "0.orig/alpha, 0.orig/rho, 0.orig/U, 0.orig/T, 0.orig/p"
+        for name, files, fields in (("JohnsonJacksonSlip", "0.orig/U, 0.orig/T", "T, U: "), ("granularWall", "0.orig/T", "T: "),
+                                    ("flowRateInletVelocity", "0.orig/U", "U: "), ("specularityCoefficient", "0.orig/U, 0.orig/T", ""),
+                                    ("zeroGradient", every, "scalars, U: ")):
+            said = harness.program("granularGas", "-keywords", name).stdout
+            self.assertRegex(said, rf"\n    in         {files}: boundaryField/PATCH\S*[ \n]", name)
+            self.assertRegex(said, rf"\n    means      {fields}", name)
 
     def test_restitutions(self):
         """Those of grains and of both kinds of walls name each other."""
@@ -227,7 +239,6 @@ BESIDES = {
     ("constant/segregationProperties", "diffusivity", ""): "value 1e-6;",
 }
 ALSO = {("0.orig/phi", "fixedValue"): {"0.orig/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
-OF_WALLS = ("granularWall", "JohnsonJacksonSlip")  # at walls alpha is zeroGradient
 # Dictionaries that are put in place of those of the example, whose entries are of another type.
 ANEW = ("percolation", "diffusivity")
 # Of whole entries: words that a program knows and that no case of docs/examples can have. It refuses them with the reason; two closures
@@ -374,9 +385,8 @@ class Programs(unittest.TestCase):
         files, inside, when = place
         takes = [row.meaning.split(":")[0] for row in self.rows[program] if row.word and row.value == when and row.inside == inside]
         here = [file for file in files if len(files) == 1 or os.path.exists(os.path.join(self.folder, base, file))]
-        here = [file for file in here if when not in OF_WALLS or file != "0.orig/alpha"]
         if when and len(files) > 1:
-            here = [file for file in here if ("U" if file == "0.orig/U" else "scalars") in takes[0].split(", ")]
+            here = [file for file in here if takes_it(file, takes[0].split(", "))]
         return {file: self.text(program, (file, inside, when), rows, last) for file in here} | ALSO.get((files[0], when), {})
 
     def each(self):
@@ -418,9 +428,8 @@ class Programs(unittest.TestCase):
             of = dict(zip(("scalars", "U"), row.example.split("    in U: ")))
             takes = row.meaning.split(":")[0].split(", ") if ":" in row.meaning else ["scalars", "U"]
             takes = takes if len(row.files) > 1 else ["scalars", "U"]
-            here = [file for file in row.files if os.path.exists(os.path.join(self.folder, base, file)) and (row.value not in OF_WALLS or file != "0.orig/alpha")]
-            kind = {file: "U" if file == "0.orig/U" else "scalars" for file in here}
-            entries = {file: of.get(kind[file]) or row.example for file in here if kind[file] in takes}
+            here = [file for file in row.files if os.path.exists(os.path.join(self.folder, base, file))]
+            entries = {file: of.get("U" if file == "0.orig/U" else "scalars") or row.example for file in here if takes_it(file, takes)}
             if "0.orig/phi" in entries and row.value in ("fixedValue", "zeroGradient"):
                 entries["0.orig/U"] = "type zeroGradient;"  # beside a wall phi is noFlux
             return base, {file: f"\nboundaryField {{ {patch} {{ {entry} }} }}\n" for file, entry in entries.items()}

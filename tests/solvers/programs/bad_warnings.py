@@ -39,6 +39,7 @@ WARNINGS = [
         where="constant/thermophysicalProperties"),
     Row("models of turbulence", write("constant/turbulenceProperties", "simulationType RAS;"), "unreadFile", "no turbulence models",
         where="constant/turbulenceProperties"),
+    Row("a rotating frame", write("constant/MRFProperties", ""), "unreadFile", "frames do not rotate here", where="constant/MRFProperties"),
     Row("sources of OpenFOAM", write("system/fvOptions", ""), "unreadFile", "`sources` of constant/granularProperties", where="system/fvOptions"),
     Row("the class of a vector", ("0/U", "volVectorField", "volScalarField"), "wrongHeader", "class is volScalarField", "class volVectorField;"),
     Row("the object of a copy", (SCHEMES, "object      fvSchemes;", "object      fvSolution;"), "wrongHeader", "object fvSchemes;"),
