@@ -14,7 +14,8 @@ NO_FRICTION = "the grains of these equations have no friction with each other"
 @dataclasses.dataclass
 class Problem:
     """geo: text of mesh.geo; kind: {patch: kind}; gravity: vector; start: expression of alpha, where {alpha} is filled in, or None: a layer
-    on the floor, `depth` diameters deep; end: time; functions: [(name, dictionary, note)]; look: what haffPlot is to show; note: what today's models leave out."""
+    on the floor, `depth` diameters deep; end: time; functions: [(name, dictionary, note)]; look: what haffPlot is to show;
+    implicit: does it take much fewer implicit steps than explicit ones?; note: what today's models leave out."""
     geo: str
     kind: dict
     gravity: list
@@ -22,6 +23,7 @@ class Problem:
     note: str
     start: str = None
     depth: float = None
+    implicit: bool = False
     functions: tuple = ()
     look: str = ""
 
@@ -66,7 +68,7 @@ def silo(opening, d, g):
     flow = f"{{ type surfaceFieldValue; fields (phi); regionType sampledSurface; operation sum; sampledSurfaceDict {{ type plane; basePoint (0 {-1.5 * d:g} 0); normalVector (0 -1 0); }} }}"
     return Problem(silo_geo(int(opening), d), {"wall": "wall", "lid": "wall", "outlet": "outlet"}, [0.0, -g, 0.0], round_up(20 * math.sqrt(d / g)),
                    f"{NO_FRICTION}: no slot is ever blocked, what stays behind lies flat, and the walls bear no weight",
-                   start=f"y > 0 && y < {24 * d:g} ? {{alpha}} : 1e-5",
+                   start=f"y > 0 && y < {24 * d:g} ? {{alpha}} : 1e-5", implicit=opening < 6,  # wider ones take as many implicit steps as explicit ones
                    functions=(("discharge", flow, "flow rate: grains per second through the slot, over the thickness of the mesh"),
                               ("content", "{ type volFieldValue; fields (rho); operation volIntegrate; }", "grains that are left")))
 
@@ -79,7 +81,7 @@ def column(aspect, d, g):
     long, high = width + 2 * max(height, width), round(1.25 * height) + 4
     return Problem(geometry.box([long * d, high * d], [long, high], ("left", "right", "floor", "top")), {"left": "wall", "right": "wall", "floor": "rough", "top": "wall"},
                    [0.0, -g, 0.0], round_up(5 * math.sqrt(2 * height * d / g)), f"{NO_FRICTION}: the heap keeps no angle, and levels out in the end",
-                   start=f"x < {width * d:g} && y < {height * d:g} ? {{alpha}} : 1e-5",
+                   start=f"x < {width * d:g} && y < {height * d:g} ? {{alpha}} : 1e-5", implicit=True,
                    functions=(("budget", BUDGET, "mass, momentum and energy, and what changes them: is it at rest?"),))
 
 

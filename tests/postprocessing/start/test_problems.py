@@ -59,6 +59,11 @@ class Problems(harness.Folder, unittest.TestCase):
         """What runs through the slot by its flow rate is what is lost above it."""
         case, said = self.run_new("0.03", "-silo", "12")
         self.assertEqual(said.count("no friction with each other"), 1)
+        self.assertEqual(entries.get(os.path.join(case.path, "system", "fvSolution"), "acoustics/type"), "explicit")  # as many steps, and no waves are damped
+        with open(os.path.join(case.path, "log.granularGas")) as f:
+            self.assertNotIn("warning", f.read())
+        self.call("narrow", "-silo", "4")
+        self.assertEqual(entries.get(os.path.join(self.folder, "narrow", "system", "fvSolution"), "acoustics/type"), "implicit")
         table = case.table("discharge", frame=True)
         self.assertTrue(case.lattice())
         time, flow = (np.asarray(table[name], float) for name in (list(table.columns) if hasattr(table, "columns") else table.dtype.names)[:2])
