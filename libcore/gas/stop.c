@@ -56,7 +56,9 @@ static const char *fed_by(const struct gas *g) {
         if (rho && !T) return "gives the density and leaves T free, so that nothing bounds T there: give T (or p), too";
         if (u && !T) return "gives the velocity and leaves T free, so that nothing bounds T there: give T (or p), too";
         if (T && !(rho && u)) found = "leaves the density or the velocity free, so that nothing bounds what flows in";
-        if (!rho && !u && !T && !found) found = "is zeroGradient: where gas flows in, give values (inletOutlet)";
+        if (!rho && !u && !T && !found)
+            found = "is zeroGradient: where gas flows in, give values (inletOutlet), and beyond packed gas a void "
+                    "(fixedValue 1e-6 of alpha)";
     }
     return found;
 }

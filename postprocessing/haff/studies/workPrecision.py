@@ -117,7 +117,7 @@ class Haff:
         if code:
             return None, {"cpu": cpu, "net": text.strip().splitlines()[-1][:120]}
         steps, loop = re.findall(r"^end at time .*: (\d+) steps in ([\d.]+) s", text, re.M)[-1]
-        net = re.findall(r"\(in all (\d+), (\d+), (\d+)\)", text)
+        net = re.findall(r"limited: .*\(in all (\d+) faces, (\d+) cells\)", text)
         return result(case, problem.field, problem.kept(n).sum()), {
             "cpu": cpu, "user": user, "loop": float(loop), "steps": int(steps), "net": " ".join(net[-1]) if net else ""}
 
