@@ -91,7 +91,7 @@ class Problems(harness.Folder, unittest.TestCase):
         """A layer lies on the floor that gravity points to within 60 degrees, also if that is not below."""
         case, said = self.run_new(None, "-gravity=3.4,-9.2,0", "-box", "2x30", "-cells", "2x30", "-periodic", "left,right", "-diameter", "1")
         self.assertIn("a layer, 7.5 diameters deep", said)
-        self.assertIn("patch    top              outlet: an open side: the flow leaves as it comes, for the floor is inclined; else  -patch top=wall", said)
+        self.assertIn("patch    top              outlet: an open side: the flow leaves as it comes, under gravity into a void, for the floor is inclined; else  -patch top=wall", said)
         for field in ("alpha", "U", "T"):
             self.assertEqual(entries.get(os.path.join(case.path, "0.orig", field), "boundaryField/top/type"), "zeroGradient")
         self.assertEqual(entries.get(os.path.join(case.path, "0.orig", "alpha"), "expression"), "y < 7.5 ? 0.6 : 1e-6")
