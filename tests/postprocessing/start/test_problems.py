@@ -92,8 +92,8 @@ class Problems(harness.Folder, unittest.TestCase):
         case, said = self.run_new(None, "-gravity=3.4,-9.2,0", "-box", "2x30", "-cells", "2x30", "-periodic", "left,right", "-diameter", "1")
         self.assertIn("a layer, 7.5 diameters deep", said)
         self.assertIn("patch    top              outlet: an open side: the flow leaves as it comes, under gravity into a void, for the floor is inclined; else  -patch top=wall", said)
-        for field in ("alpha", "U", "T"):
-            self.assertEqual(entries.get(os.path.join(case.path, "0.orig", field), "boundaryField/top/type"), "zeroGradient")
+        for field, kind in (("alpha", "fixedValue"), ("U", "zeroGradient"), ("T", "zeroGradient")):
+            self.assertEqual(entries.get(os.path.join(case.path, "0.orig", field), "boundaryField/top/type"), kind)
         self.assertEqual(entries.get(os.path.join(case.path, "0.orig", "alpha"), "expression"), "y < 7.5 ? 0.6 : 1e-6")
         said = self.call("other", "-gravity=9,3,0", "-box", "30x4", "-cells", "30x4", "-diameter", "1")
         self.assertEqual(entries.get(os.path.join(self.folder, "other", "0.orig", "alpha"), "expression"), "x > 22.5 ? 0.6 : 1e-6")
