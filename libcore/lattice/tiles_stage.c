@@ -206,7 +206,8 @@ KERNEL static uint64_t find_voids(int n, int reach, long stride, const double *r
     for (int i = 0; i < n; i++) {
         const double far = larger(left[i], right[i]), near = smaller(left[i], right[i]);
         const bool alone = (far > VOID * thin[i]) & (near < VOID_BESIDE * thin[i]);
-        thin[i] = alone & (high[i] > VOID_BESIDE * smaller(p[i], p[i + stride])) ? 1 : 0;
+        const bool steep = high[i] > VOID_BESIDE * smaller(p[i], p[i + stride]);
+        thin[i] = (alone & steep) ? 1 : 0;
         any |= bits_of(thin[i]);
     }
     return any;
