@@ -13,7 +13,7 @@
 #define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
 /* A face has the flux of first order if a cell of its stencil is VOID times as dense as the thinner of its two, and
  * none on the other side VOID_BESIDE times, where p changes by more than VOID_BESIDE, too. */
-#define VOID 100.
+#define VOID        100.
 #define VOID_BESIDE 4.
 /* Most of the largest rate of diffusion times half a step: beyond it sums of stages have no digit of q_0 left. */
 #define MOST_RATIO 1e16
@@ -33,7 +33,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     double longest;             /* s: the step that was planned; 0: the next step is explicit */
     struct gas_bed_bound bound; /* why it is explicit; its cause is BED_CAUSES if it is not, or no gas is dense */
     double plain, usual; /* s: the explicit step in the last plan, and that which implicit ones are compared with */
-    bool refused;        /* was the last step of the bed not taken because it would damp sound, or of the outlet? */
+    bool refused;        /* was the last step of the bed refused: it would damp sound, or gas leans on an outlet? */
     bool leans;          /* did packed gas lean on an open patch without pressure in it? */
     double pause;        /* s: steps stay explicit for so long after that */
     double paused;       /* s: so long the pause was at first; a restart goes on with both */

@@ -213,8 +213,8 @@ KERNEL static uint64_t find_voids(int n, int reach, long stride, const double *r
     return any;
 }
 
-/* Flattens the faces of thin cells beside dense ones: a polynomial through densities a hundredfold apart carries energy
- * where there is no mass to hold it, and the cell gets a T and a speed beyond what the gas has. */
+/* Flattens the faces of thin cells beside dense ones. A polynomial through densities a hundredfold apart carries energy
+ * into a cell without mass, which then gets a T and a speed beyond those of the gas. */
 static void flatten_voids(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
                           int column) {
     const int reach = g->models.reconstruct->reach + 1;

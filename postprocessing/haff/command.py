@@ -95,7 +95,7 @@ def cure(text):
 
 
 def message(error):
-    """What a user is told of an error: its own text, or the file that is wrong, and what to do."""
+    """The message for a user: the text of the error, or the file that is wrong, and what to do."""
     if is_meant(error):
         text = str(error.args[0] if isinstance(error, KeyError) and error.args else error)
         return text + cure(text)

@@ -19,8 +19,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_UNREAD] = "unreadFile",      [WARN_WRONG_HEADER] = "wrongHeader", [WARN_UPWARDS] = "upwardGravity",
     [WARN_SHAKING] = "faintShaking",   [WARN_ELASTIC] = "elasticGrains",    [WARN_DENSITY] = "heavyGrains",
     [WARN_FIXED_STEP] = "fixedStep",   [WARN_MANY_STEPS] = "manySteps",     [WARN_NOTHING_WRITTEN] = "nothingWritten",
-    [WARN_PASSED] = "passedOver",      [WARN_BESIDE] = "newerStart",
-    [WARN_MANY_WRITES] = "manyWrites",
+    [WARN_PASSED] = "passedOver",      [WARN_BESIDE] = "newerStart",        [WARN_MANY_WRITES] = "manyWrites",
 };
 
 const char *const warning_meanings[WARNINGS] = {

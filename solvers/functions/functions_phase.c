@@ -35,7 +35,8 @@ struct phases {
 
 #define PARAM_STRUCT struct phases
 static const struct param phases_param[] = {
-    NUMBER("period", period, USUALLY(0, "that of constant/shaking, else required"), POSITIVE, UNIT(0, 0, 1), "of the average"),
+    NUMBER("period", period, USUALLY(0, "that of constant/shaking, else required"), POSITIVE, UNIT(0, 0, 1),
+           "of the average"),
     NUMBER("start", start, 0, ANY_NUMBER, UNIT(0, 0, 1), "time of the first phase"),
     WHOLE("phases", n, 20, FROM_TO(1, MOST_PHASES), "of a period, at equal distances"),
 };

@@ -43,7 +43,7 @@ def main():
 
 
 def report_of(o):
-    """What makes the page that is asked for. CannotDraw: there is neither a case nor a sweep."""
+    """Returns the report of a case, of two cases or of a sweep. CannotDraw: there is neither a case nor a sweep."""
     if o.other:
         return pairs.Report(case_in(o.case), case_in(o.other), o.frames)
     if sweeps.is_sweep(o.case):
