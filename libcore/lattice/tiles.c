@@ -41,6 +41,7 @@ static status make_work(struct gas *g) {
     for (int k = 0; k < g->components; k++)
         TRY(allocate(&w->velocity[k], g->forest->size + SLACK, sizeof(double), "scratch"));
     for (int k = 0; k < g->dim; k++) TRY(make_axis(g, k));
+    TRY(allocate(&w->density, g->tiles->activity.nspans, sizeof *w->density, "scratch"));
     for (int i = 0; i < 2 && g->dim > 2; i++)
         TRY(allocate(&w->planes[i], g->tiles->activity.rows, sizeof *w->planes[i], "scratch"));
     return OK;
@@ -122,7 +123,7 @@ static status tiles_make(struct gas *g) {
 }
 
 static void free_work(struct work *w) {
-    void *single[] = {w->eps, w->p, w->c, w->gruneisen, w->planes[0], w->planes[1]};
+    void *single[] = {w->eps, w->p, w->c, w->gruneisen, w->density, w->planes[0], w->planes[1]};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
     for (int k = 0; k < MAX_DIM; k++) {
         struct axis_lines *l = &w->along[k];

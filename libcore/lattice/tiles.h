@@ -23,14 +23,15 @@ struct range { /* the least and the largest of numbers >= 0 */
     double low, high;
 };
 #define RANGE_EMPTY ((struct range){HUGE_VAL, 0})
-/* Widens it by n numbers. */
+/* Widens it by n numbers, or by another range. */
 void range_widen(struct range *of, int n, const double *q);
+void range_join(struct range *of, const struct range *with);
 struct work { /* scratch of the tile in hand, [size] each */
     double *velocity[MAX_DIM], *eps, *p, *c, *gruneisen;
     struct axis_lines along[MAX_DIM];
     face_lines *planes[2];       /* 3D: [rows] faces along axis 2 below and above a plane, in turn */
     double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
-    bool voids;                  /* may a cell be VOID times thinner than another one of its faces' stencils? */
+    struct range *density;       /* [rows of activity_row] of the cells that the stage in hand reads */
 };
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
@@ -205,6 +206,12 @@ struct strip {
 
 /* Returns the floors of a strip of faces beside fronts, which hold until the next call; NULL: they have none. */
 const double *fronts_floor(const struct gas *g, const struct strip *s);
+
+/* Thin cells beside dense ones (libcore/lattice/tiles_voids.c). Reads the densities of row (j, k) of the tile in hand;
+ * chooses the faces of a strip that have such a cell, after the rows of its stencils were read. Returns whether there
+ * is one. */
+void voids_row(const struct gas *g, const double *U, int j, int k);
+bool voids_find(const struct gas *g, const double *U, const struct strip *s, bool *chosen);
 
 /* Does a side of a tile lie on a patch that gives the mass that flows in? */
 bool tiles_fed(const struct gas *g, int tile, int side);

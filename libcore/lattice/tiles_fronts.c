@@ -90,11 +90,6 @@ static long offset_of(const struct forest *f, int i, int j, int k) {
     return f->first + i + j * f->stride[1] + k * f->stride[2];
 }
 
-static void join(struct range *a, const struct range *b) {
-    a->low = smaller(a->low, b->low);
-    a->high = larger(a->high, b->high);
-}
-
 /* Do the pressures of n cells and of those beside them differ as at a front, for any of them? */
 KERNEL static bool look_steep(int n, const double *restrict p, const double *restrict q) {
     int any = 0;
@@ -269,7 +264,7 @@ void fronts_note(struct gas *g, int tile, const struct state *s, const struct ra
 
 void fronts_speed(const struct gas *g, struct gas_speed *speed) {
     struct range all = RANGE_EMPTY;
-    for (int t = 0; t < g->forest->ntiles && g->tiles->fronts; t++) join(&all, &g->tiles->fronts->p[t]);
+    for (int t = 0; t < g->forest->ntiles && g->tiles->fronts; t++) range_join(&all, &g->tiles->fronts->p[t]);
     speed->low = all.low;
     speed->high = all.high;
 }
@@ -355,7 +350,7 @@ static bool may_be_front(const struct gas *g, int tile, int side) {
     const struct fronts *x = g->tiles->fronts;
     if (other < 0) return g->forest->tile[tile].side[side].patch < 0;
     struct range both = x->p[tile];
-    join(&both, &x->p[other]);
+    range_join(&both, &x->p[other]);
     return side % 2 && exceeds(FRONT, both.low, both.high);
 }
 

@@ -30,32 +30,6 @@ void primitives_of_row(const struct gas *g, const double *U, long offset, int n)
     root_row(n, w->c + offset);
 }
 
-KERNEL static void widen_row(int n, const double *restrict q, struct range *restrict of) {
-    double low[8], high[8];
-    int i = 0;
-    for (int j = 0; j < 8; j++) {
-        low[j] = of->low;
-        high[j] = of->high;
-    }
-    for (; i + 8 <= n; i += 8)
-        for (int j = 0; j < 8; j++) {
-            low[j] = smaller(low[j], q[i + j]);
-            high[j] = larger(high[j], q[i + j]);
-        }
-    for (; i < n; i++) {
-        low[0] = smaller(low[0], q[i]);
-        high[0] = larger(high[0], q[i]);
-    }
-    for (int j = 0; j < 8; j++) {
-        of->low = smaller(of->low, low[j]);
-        of->high = larger(of->high, high[j]);
-    }
-}
-
-void range_widen(struct range *of, int n, const double *q) {
-    widen_row(n, q, of);
-}
-
 struct pass { /* what the visitors of this file need */
     struct gas *g;
     const double *U;
@@ -157,19 +131,35 @@ static void through(const struct gas *g, const struct strip *s, const struct fac
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
 }
 
-/* Takes the flux of first order at the chosen faces of a strip; balanced: beside gas at rest under gravity. */
+/* The faces of a strip from the first chosen one to the last; there is one. */
+static struct strip strip_of_chosen(const struct strip *s, const bool *chosen) {
+    struct strip of = *s;
+    int low = 0, high = s->n;
+    while (!chosen[low]) low++;
+    while (!chosen[high - 1]) high--;
+    of.n = high - low;
+    of.offset += low;
+    of.column += low;
+    if (s->axis == 0) of.from += low;
+    return of;
+}
+
+/* Takes the flux of first order at the chosen faces of a strip, of which there is one; balanced: beside gas at rest
+ * under gravity. */
 static void flatten(const struct gas *g, const double *U, const struct strip *s, const bool *chosen, bool balanced,
                     double (*out)[BATCH], int column) {
+    const struct strip part = strip_of_chosen(s, chosen);
+    const int skipped = part.column - s->column;
     double lower[MAX_VAR][BATCH];
     struct faces f;
-    make_faces(g, U, s, lower, 0, &f);
+    make_faces(g, U, &part, lower, 0, &f);
     if (balanced)
-        through(g, s, &f, g->first_order);
+        through(g, &part, &f, g->first_order);
     else
         g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
     for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < s->n; i++)
-            if (chosen[i]) out[v][column + i] = lower[v][i];
+        for (int i = 0; i < part.n; i++)
+            if (chosen[skipped + i]) out[v][column + skipped + i] = lower[v][i];
 }
 
 /* Flattens the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a millionth of u^2, so
@@ -183,47 +173,12 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
     if (any) flatten(g, U, s, packed, false, out, column);
 }
 
-/* Chooses the faces of cells that are VOID times thinner than a cell of the face's stencil on one side, where p falls,
- * too. Where the density rises on both sides, the polynomials of a smooth minimum are right, and across a contact p is
- * even. Returns bits that are all 0 if there are none. rho, p: of the left cells; reach: cells of the stencil on either
- * side. */
-KERNEL static uint64_t find_voids(int n, int reach, long stride, const double *restrict rho, const double *restrict p,
-                                  double *restrict thin) {
-    uint64_t any = 0;
-    double left[BATCH], right[BATCH], high[BATCH];
-    for (int i = 0; i < n; i++) {
-        left[i] = rho[i];
-        right[i] = rho[i + stride];
-        thin[i] = smaller(left[i], right[i]);
-        high[i] = larger(p[i], p[i + stride]);
-    }
-    for (int k = 1; k < reach; k++)
-        for (int i = 0; i < n; i++) {
-            left[i] = larger(left[i], rho[i - k * stride]);
-            right[i] = larger(right[i], rho[i + (k + 1) * stride]);
-            high[i] = larger(high[i], larger(p[i - k * stride], p[i + (k + 1) * stride]));
-        }
-    for (int i = 0; i < n; i++) {
-        const double far = larger(left[i], right[i]), near = smaller(left[i], right[i]);
-        const bool alone = (far > VOID * thin[i]) & (near < VOID_BESIDE * thin[i]);
-        const bool steep = high[i] > VOID_BESIDE * smaller(p[i], p[i + stride]);
-        thin[i] = (alone & steep) ? 1 : 0;
-        any |= bits_of(thin[i]);
-    }
-    return any;
-}
-
 /* Flattens the faces of thin cells beside dense ones. A polynomial through densities a hundredfold apart carries energy
  * into a cell without mass, which then gets a T and a speed beyond those of the gas. */
 static void flatten_voids(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
                           int column) {
-    const int reach = g->models.reconstruct->reach + 1;
-    double thin[BATCH];
     bool chosen[BATCH];
-    if (!g->tiles->work.voids) return;
-    if (!find_voids(s->n, reach, g->forest->stride[s->axis], U + s->offset, g->tiles->work.p + s->offset, thin)) return;
-    for (int i = 0; i < s->n; i++) chosen[i] = thin[i] > 0;
-    flatten(g, U, s, chosen, true, out, column);
+    if (voids_find(g, U, s, chosen)) flatten(g, U, s, chosen, true, out, column);
 }
 
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
@@ -378,6 +333,13 @@ static void balance(const struct sweep *x, int j, int k) {
         balance_row(g, &x->pass.walls, x->pass.U, axis, place, offset, s.high - s.low);
 }
 
+/* Makes the primitives of row (j, k). */
+static void make_row(struct sweep *x, int j, int k) {
+    const struct gas *g = x->pass.g;
+    span_visit(g, g->tiles->activity.needed, j, k, primitive_visit, &x->pass);
+    voids_row(g, x->pass.U, j, k);
+}
+
 /* Makes what the fluxes along an axis read of row (j, k), whose primitives are there: its nodal fluxes, and the balance
  * of the faces below it (axis 0: of its own). */
 static void ready_row(struct sweep *x, int axis, int j, int k) {
@@ -472,7 +434,7 @@ static void sweep_plane(struct sweep *x, int k) {
     if (g->dim > 2) g->tiles->work.along[1].origin = k * g->forest->stride[2];
     for (int top = -reach; top < x->n[1] + reach; top++) {
         const int j = top - reach;
-        if (g->dim < 3) span_visit(g, g->tiles->activity.needed, top, k, primitive_visit, &x->pass);
+        if (g->dim < 3) make_row(x, top, k);
         if (g->dim > 1) ready_row(x, 1, top, k);
         if (g->dim > 1 && j >= -1) faces_above(x, 1, j, k);
         if (g->dim > 2 && j >= 0) faces_above(x, 2, j, k);
@@ -485,7 +447,7 @@ static void ready_plane(struct sweep *x, int k) {
     const struct gas *g = x->pass.g;
     const int reach = k < 0 || k >= x->n[2] ? 0 : GHOSTS;
     for (int j = -reach; j < x->n[1] + reach; j++) {
-        span_visit(g, g->tiles->activity.needed, j, k, primitive_visit, &x->pass);
+        make_row(x, j, k);
         if (j >= 0 && j < x->n[1]) ready_row(x, 2, j, k);
     }
 }
@@ -501,23 +463,6 @@ static void sweep_tile(struct sweep *x) {
         for (int j = 0; j < x->n[1] && k == -1; j++) faces_above(x, 2, j, k);
         if (k >= 0) sweep_plane(x, k);
     }
-}
-
-struct densities { /* what density_visit looks at, and what it has found */
-    const double *rho;
-    struct range range;
-};
-static void density_visit(void *context, long offset, int n) {
-    struct densities *d = context;
-    range_widen(&d->range, n, d->rho + offset);
-}
-
-/* May the tile in hand have a cell VOID times thinner than another one of its faces' stencils? */
-static bool may_hold_voids(const struct gas *g, int tile, const double *U) {
-    struct densities d = {.rho = U, .range = RANGE_EMPTY};
-    if (g->models.reconstruct->reach == 0) return false;
-    spans_visit(g, tile, g->tiles->activity.needed, GHOSTS, density_visit, &d);
-    return d.range.high > VOID * d.range.low;
 }
 
 /* Sets dt/dx of the faces along each axis. */
@@ -552,7 +497,6 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);
         seams_of_tile(g, tile, sweep.seam);
-        g->tiles->work.voids = may_hold_voids(g, tile, from->block[tile]);
         sweep_tile(&sweep);
         seams_end(g, tile);
     }
