@@ -30,10 +30,14 @@ struct sum_line {              /* n <= BATCH cells along a patch, and S (diffusi
     int n, components, normal; /* normal: component along the normal, -1 for a scalar */
     const int *face;           /* [n] faces within the patch */
     double weight;             /* the value of S if q were 1 throughout */
-    const double *share;       /* [n] share of drag, from wall_shares: for a velocity at a wall */
+    const double *share;       /* [n] at a wall the share of drag, from wall_shares; beyond an open patch the inflow */
     /* [components][n] inner: S in the cells; start: q_0 beyond the patch; ghost, the result: S beyond the patch */
     double (*inner)[BATCH], (*start)[BATCH], (*ghost)[BATCH];
 };
+/* Returns the share of a face of an open patch: 1 where gas flows in, else 0. outflow: velocity out of the domain. */
+static inline double inflow_share(double outflow) {
+    return outflow < 0 ? 1 : 0;
+}
 /* Compute S beyond a patch, by its rules. Beyond a wall of the share a of drag and the velocity w
  *     S_n = -S_n inside,  S_t = (1 - a) S_t inside + a weight w_t,
  * so that the jump across the face gives the stress, and the mean of both sides is the velocity of the gas on the wall

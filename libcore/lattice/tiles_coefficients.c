@@ -230,6 +230,12 @@ static void take_wall(const struct gas *g, int tile, const struct edge *e, const
     }
 }
 
+/* Sets the shares at an open patch. Velocities are still in the workspace. */
+static void note_inflow(const struct gas *g, const struct edge *e, double *share) {
+    const double *u = g->tiles->work.velocity[e->normal], out = e->to > e->from ? 1 : -1;
+    for (int i = 0; i < e->n; i++) share[e->to + i * e->step] = inflow_share(out * u[e->from + i * e->step]);
+}
+
 /* Finds the shares of drag and heat at a wall; the share of heat goes into the coefficients of the wall's faces. */
 static void wall_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct forest *f = g->forest;
@@ -250,7 +256,10 @@ static void wall_edge(struct gas *g, int tile, const struct edge *e, const void 
                              .heat = b.heat,
                              .slip = b.slip,
                              .cross = d->cross ? b.cross : NULL};
-    if (!patch_is_wall(e->rules)) return;
+    if (!patch_is_wall(e->rules)) {
+        note_inflow(g, e, wall + DRAG * f->size);
+        return;
+    }
     take_wall(g, tile, e, context, &b);
     wall_shares(e->rules, &line, share[0], share[1]);
     for (int i = 0; i < e->n; i++) {

@@ -280,6 +280,10 @@ bool rule_holds(const struct rule *rule) {
     return !t->wall && (t->value[0] || t->value[1]); /* the values of a wall are its velocity */
 }
 
+bool rule_switches(const struct rule *rule) {
+    return rule->type->ghost == inlet_outlet;
+}
+
 bool patch_is_wall(const struct patch_rules *r) {
     return r->velocity.type->wall;
 }

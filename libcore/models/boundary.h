@@ -113,7 +113,8 @@ struct patch_rules {         /* the rules of one patch; an empty or cyclic patch
     bool pressure;           /* are they p? */
 };
 
-bool rule_holds(const struct rule *rule); /* does the rule give values to the gas beyond the patch? */
+bool rule_holds(const struct rule *rule);    /* does the rule give values to the gas beyond the patch? */
+bool rule_switches(const struct rule *rule); /* does it so only where gas flows in? */
 bool patch_is_wall(const struct patch_rules *r);
 /* Does the patch give the mass that flows in, by a flow rate, or as 0 where its velocity leads along it (`shuts`)?
  * patch_feed returns the given velocity at a face along one axis, or rho u. */

@@ -131,6 +131,17 @@ static double slip_at(const struct gas *g, const struct patch_rules *r, int mirr
     return larger(square - across * across, 0);
 }
 
+/* Sets the shares at an open patch. */
+static void note_inflow(const struct gas *g, int from, int n, double *const U[MAX_VAR], const struct cells_walls *out) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    for (int i = from; i < from + n; i++) {
+        const int at = m->mirror.cell[i];
+        double through = 0;
+        for (int k = 0; k < g->dim; k++) through += U[k + 1][at] * m->mirror.normal[k][i];
+        out->drag[i] = out->heat[i] = inflow_share(through);
+    }
+}
+
 static void wall_shares_run(const struct gas *g, int from, int n, double *const U[MAX_VAR], const double *T,
                             double *const cell[3], const double *cross, const struct cells_walls *out) {
     const struct polyhedra *m = g->cells->polyhedra;
@@ -162,7 +173,10 @@ static void wall_shares_run(const struct gas *g, int from, int n, double *const 
         }
         slip[i] = wall_slides(r) ? slip_at(g, r, from + i, U) : 0;
     }
-    if (!patch_is_wall(r)) return;
+    if (!patch_is_wall(r)) {
+        note_inflow(g, from, n, U, out);
+        return;
+    }
     wall_shares(r, &line, out->drag + from, out->heat + from);
     memcpy(out->lift + from, line.lift, (size_t)n * sizeof(double));
     memcpy(out->stays + from, line.stays, (size_t)n * sizeof(double));

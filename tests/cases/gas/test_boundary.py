@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Given boundary values through the whole program: what enters a box is what the patches say."""
+import itertools
 import os
 import unittest
 
@@ -55,6 +56,32 @@ class Boundary(harness.Folder, unittest.TestCase):
             results.append(self.case(f"outlet{value:g}", (RHO, U, 1.3 * P), patches, end=0.02))
         for field in ("rho", "U", "p"):
             np.testing.assert_array_equal(results[0].field(field), results[1].field(field))
+
+    def test_outlet_lets_heat_go(self):
+        """The same in a gas with transport that cools while it flows out: outlets of U, p and rho beside zeroGradient, on a lattice
+        and on polyhedra, with explicit and with implicit diffusion."""
+        n, size = (24, 4, 1), (2.4, 0.4, 0.1)
+        x = boxes.centres(n, size)[:, 0]
+        rho, u = 60 - 10 * x, np.stack([3 * x, 0 * x, 0 * x], axis=1)
+        for engine, diffusion in itertools.product(("", "; meshEngine polyhedral"), ("RKJ2", "implicit")):
+            results = []
+            for outlet in ("zeroGradient", "inletOutlet; inletValue uniform %s"):
+                name = f"heat{len(engine)}{diffusion}{len(outlet)}"
+                case = harness.box_case(os.path.join(self.folder, name), n, size, rho, u, 300 - 100 * x, 0.02,
+                                        eos="TorquatoDisks", e=0.8, gamma=2.0, cooling="GarzoDufty")
+                harness.edit(case, "constant/granularProperties", transport="JenkinsRichman", diameter="0.02")
+                harness.edit(case, "system/fvSchemes", reconstruct="PHM" + engine)
+                harness.write_dictionary(case, "system", "fvSolution", "diffusion { type %s; }\n" % diffusion)
+                for field, inside, value in (("rho", rho, "1"), ("U", u, "(3 0 0)"), ("p", 300 - 100 * x, "9000")):
+                    wall = "slip" if field == "U" else "zeroGradient"
+                    boxes.write_field(case, field, inside, f"xLow fixedValue; value uniform {value}\n"
+                                      f"xHigh {outlet.replace('%s', value)}\nyLow slip\nyHigh slip\nzEmpty empty")
+                harness.program("granularGas", "-case", case)
+                results.append(harness.haff.Case(case))
+            for field in ("rho", "U", "T"):
+                with self.subTest(f"{field}, {diffusion}{engine}"):
+                    first, second = (case.field(field) for case in results)
+                    np.testing.assert_allclose(first, second, rtol=0, atol=1e-9 * np.abs(first).max())
 
     def test_values_per_face(self):
         """A jet: the density at the inlet differs from face to face and is carried along the rows."""
