@@ -89,7 +89,7 @@ status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_spe
     const bool collapse = collapses(g, speed, &q);
     const struct cause cause = cause_of(g);
     const struct gas_counts c = gas_counts(g);
-    const bool noisy = c.cells > 1000 && strcmp(g->models.flux->model.name, "common") != 0;
+    const bool noisy = c.cells > 1000 && !g->models.flux->ruled;
     if (!collapse)
         return fail(ERR_STATE,
                     "time step of %.3g s at t = %.10g, (%.6g %.6g %.6g), alpha = %.6g, T = %.6g: less than is allowed; "

@@ -58,9 +58,9 @@ static status make_falls(struct gas *g) {
 /* The cells on either side that the fluxes of a cell read: those of the reconstruction of its faces. A flux with rules
  * for single faces looks at six cells. */
 static int reach_of(const struct gas *g) {
-    const struct wanted_rules on = rules_wanted(&g->models.flux_params, true, false);
+    const struct wanted_rules on = rules_of(g->models.flux, &g->models.flux_params, true, false);
     const bool ruled = on.shocks || on.expansions || on.contacts;
-    return ruled && !strcmp(g->models.flux->model.name, "common") ? GHOSTS : g->models.reconstruct->reach + 1;
+    return ruled ? GHOSTS : g->models.reconstruct->reach + 1;
 }
 
 static status make_activity(struct gas *g) {

@@ -43,9 +43,9 @@ static status lines_make(const struct gas *g, int tile, struct fronts *x) {
 
 status fronts_make(struct gas *g) {
     const struct forest *f = g->forest;
-    const bool wanted = rules_wanted(&g->models.flux_params, true, false).fronts;
+    const bool wanted = rules_of(g->models.flux, &g->models.flux_params, true, false).fronts;
     struct fronts *x;
-    if (!wanted || g->dim < 2 || strcmp(g->models.flux->model.name, "common") != 0) return OK;
+    if (!wanted || g->dim < 2) return OK;
     TRY(allocate(&x, 1, sizeof *x, "fronts"));
     g->tiles->fronts = x;
     TRY(allocate(&x->speed, f->ntiles, sizeof *x->speed, "fronts"));

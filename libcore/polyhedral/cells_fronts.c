@@ -16,9 +16,9 @@ struct cells_fronts {
 
 status cells_fronts_make(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const bool wanted = rules_wanted(&g->models.flux_params, false, false).fronts;
+    const bool wanted = rules_of(g->models.flux, &g->models.flux_params, false, false).fronts;
     struct cells_fronts *x;
-    if (!wanted || g->dim < 2 || strcmp(g->models.flux->model.name, "common") != 0) return OK;
+    if (!wanted || g->dim < 2) return OK;
     TRY(allocate(&x, 1, sizeof *x, "fronts"));
     g->cells->fronts = x;
     double **line[] = {&x->p, &x->c, &x->speed, &x->wider};

@@ -565,7 +565,8 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
 }
 
 const struct flux flux_table[] = {
-    {MODEL_WITH("common", "characteristic upwind on one eigenbasis a face", common_param), .through = common},
+    {MODEL_WITH("common", "characteristic upwind on one eigenbasis a face", common_param), .through = common,
+     .ruled = true},
     {MODEL("Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996); unstable in dense gas"),
      .through = marquina},
     {MODEL("MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too"),

@@ -46,6 +46,7 @@ struct flux {
                     const struct reconstruct *r);
     bool paced; /* does it depend on the time step? */
     bool damps; /* does it damp jumps of gas at rest? */
+    bool ruled; /* has it rules for single faces (flux_rules.h)? */
 };
 
 extern const struct flux flux_table[];

@@ -42,6 +42,12 @@ static inline struct wanted_rules rules_wanted(const struct own_params *params, 
                                  .fronts = rule_is_wanted(is.fronts, lattice)};
 }
 
+/* The same of any flux. */
+static inline struct wanted_rules rules_of(const struct flux *flux, const struct own_params *params, bool lattice,
+                                           bool falls) {
+    return flux->ruled ? rules_wanted(params, lattice, falls) : (struct wanted_rules){false, false, false, false};
+}
+
 /* Conditions are numbers 0 or 1, which & and | join without a branch. */
 ALWAYS_INLINE int exceeds(double ratio, double a, double b) {
     return larger(a, b) > ratio * smaller(a, b);
