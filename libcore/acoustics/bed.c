@@ -86,7 +86,7 @@ static void deal_lists(struct bed *b, const long room[4]) {
     x->link = b->face_of_cell + room[3];
 }
 
-/* Makes room for half as much again as is asked for, so that a growing bed seldom asks. */
+/* Makes room for half as much again as is needed, so that a growing bed seldom allocates. */
 static status grow(struct bed *b, const long wanted[4]) {
     struct bed_lines *x = b->lines;
     long room[4];

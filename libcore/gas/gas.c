@@ -8,7 +8,7 @@ static status make(const struct gas *like, struct gas **out) {
     struct gas *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
     *g = *like;
-    if (g->components < g->dim) g->components = g->dim; /* models->components is 0 where none is asked for */
+    if (g->components < g->dim) g->components = g->dim; /* models->components is 0: as many as the mesh has axes */
     g->nvar = g->components + 2;
     g->first_order = reconstruct_find("firstOrder");
     if (g->models.transport) g->models.skip_uniform = false;

@@ -3,7 +3,7 @@
  * equations of the gas stand in docs/physics.md 1.2, the order of a step in docs/physics.md 7.2.
  *
  * Variables are rho, rho u, E = rho (eps + |u|^2/2). u has a component along each of the dim computational axes of the
- * mesh (struct forest) and, behind these, along further axes that the mesh does not resolve, if it is asked for them:
+ * mesh (struct forest) and, behind these, along further axes that the mesh does not resolve, if the case has them:
  * nothing varies along such an axis, but gas moves along it. Its momentum is carried with the gas; of the stress it has
  * the shear on the faces of the other axes, with its work and the drag of walls, and of gravity its part. There are no
  * fluxes, ghosts or gradients along that axis, and no part of div u. A step is half the sources (exact) | Runge-Kutta
@@ -142,7 +142,7 @@ struct gas_cell {
     double place[3], alpha, T, c; /* centre, m; state, m^2/s^2, m/s */
 };
 /* Why gas_bed_step planned an explicit step although gas is dense: the longest step with a bed, as the cause has it, is
- * `steps` explicit ones, and at least `gain` are asked for. */
+ * `steps` explicit ones, and `gain` are the least. */
 enum bed_cause { BY_THIN, BY_FLOW, BY_COOLING, BY_FALL, BY_OUTLET, BED_CAUSES };
 struct gas_bed_bound {
     enum bed_cause cause;
@@ -163,7 +163,7 @@ void gas_fastest_cell(struct gas *g, const struct gas_speed *speed, struct gas_c
  * for a bed of implicit acoustics. All ranks call it alike, and must get the same result; an error ends gas_step.
  * Patches that give mass (patch_feeds) do not go with implicit acoustics; automatic ones are explicit then. */
 void gas_vary(struct gas *g, status (*renew)(void *context, double t), void *context);
-/* Lets gas_step ask, between parts of a step that takes long, whether to leave it. It is left if any rank is told so;
+/* Lets gas_step ask, between parts of a step that takes long, whether to leave it. It is left if any rank says yes;
  * each rank sets `asked`, or none. */
 void gas_heed(struct gas *g, bool (*asked)(void));
 /* Advances the state from t by *dt, or by a halved *dt where the state would leave the admissible set. `speed` comes

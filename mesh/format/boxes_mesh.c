@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gives the sides of blocks (boxes.h) their patches, checks empty and cyclic ones, and makes the mesh: at first its
- * numbers and patches, and points and faces when they are asked for. */
+ * numbers and patches, and points and faces on demand. */
 #include "mesh/format/boxes.h"
 
 #include "mesh/format/polymesh.h"

@@ -351,7 +351,7 @@ static status pass_shared(struct lexer *l) {
 static status take_shared(struct lexer *l, struct part *p, long count) {
     struct source *s = (struct source *)(uintptr_t)l->source; /* what is handed over is no part of the text */
     if (!s->part || p->components != s->components || p->first != s->part_first || p->end != s->part_end)
-        return fail(ERR_SYSTEM, "%s: entries are asked for that this rank has not got", s->path);
+        return fail(ERR_SYSTEM, "%s: this rank does not hold all of the entries that were asked for", s->path);
     p->kept.data = s->part;
     p->kept.count = p->kept.room = (s->part_end - s->part_first) * s->components;
     p->at = count;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads a .msh file into memory, section by section, as the gmsh reference manual describes the formats 2.2 and 4.1:
  * $MeshFormat, $PhysicalNames, $Entities, $Nodes or $ParametricNodes, $Elements; other sections are skipped. Every
- * count is checked against the size of the file before memory is asked for. */
+ * count is checked against the size of the file before memory is allocated. */
 #include "mesh/format/gmsh_file.h"
 
 #include "mesh/format/foamfile.h"

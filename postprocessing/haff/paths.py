@@ -9,7 +9,7 @@ TOP = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname
 
 
 def lacking(module):
-    """What a user is told whose Python has no such module: which Python to take, or how this one gets it."""
+    """The message for a Python without such a module: which Python to take, or how this one gets it."""
     other = "/usr/bin/python3"
     take = f"take {other}, or  " if os.path.exists(other) and os.path.realpath(other) != os.path.realpath(sys.executable) else f"apt-get install python3-{module}, or  "
     return f"{sys.executable} has no {module}, which haff needs: {take}{sys.executable} -m pip install {module}"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The quantities of the gas, as the code that all solvers share sees them (medium.h), and those of them that are made
- * of gradients: these are computed when they are asked for, and kept until the state changes.
+ * of gradients: these are computed on demand, and kept until the state changes.
  *
  *   vorticity = curl u
  *   gradAlpha = grad alpha

@@ -31,7 +31,7 @@ def instructions():
 
 
 def installed(stage):
-    """What apt-get is told to install in a stage, without options."""
+    """The packages that apt-get installs in a stage, without options."""
     words = [shlex.split(part) for name, rest in stage if name == "RUN" for part in rest.split("&&")]
     return [w for line in words if line[:2] == ["apt-get", "install"] for w in line[2:] if not w.startswith("-")]
 

@@ -106,7 +106,7 @@ class Block:
 
 
 class BlockMesh(Mesh):
-    """A Mesh that system/blockMeshDict says. Arrays of points and faces are made when they are asked for."""
+    """A Mesh that system/blockMeshDict says. Arrays of points and faces are made on demand."""
 
     def __init__(self, path):
         self.folder = self.path = path

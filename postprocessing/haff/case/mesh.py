@@ -13,7 +13,7 @@ CHUNK = 1 << 16  # faces whose geometry is in memory at once
 
 
 class Mesh:
-    """constant/polyMesh. The files are read when they are asked for, and stay in memory until release().
+    """constant/polyMesh. The files are read on demand, and stay in memory until release().
 
     points [points][3] in m; face_start [faces + 1], face_points: the points of face f are face_points[face_start[f]:face_start[f + 1]];
     owner [faces], neighbour [inner faces]; cells: their number; patches {name: (type, first face, faces)}.
@@ -91,7 +91,7 @@ class Mesh:
         return self._faces[1]
 
     def release(self):
-        """Gives back the memory of points, faces, owner and neighbour; they are read again when they are asked for."""
+        """Gives back the memory of points, faces, owner and neighbour; they are read again on demand."""
         for name in ("points", "owner", "neighbour", "_faces"):
             self.__dict__.pop(name, None)
 

@@ -17,7 +17,7 @@ import numpy as np
 import haff
 from haff.plot import figures
 
-MAIN = (("alpha", "rho"), ("U",), ("T",), ("p",))  # what is shown when nothing is asked for; the first of each that is there
+MAIN = (("alpha", "rho"), ("U",), ("T",), ("p",))  # shown by default: the first of each group that the case has
 KINDS = {"Scalar": 1, "Vector": 3, "SymmTensor": 6}
 PARTS = {1: (), 3: ("x", "y", "z"), 6: ("xx", "xy", "xz", "yy", "yz", "zz")}
 GRAINS = "grains"
@@ -126,7 +126,7 @@ def split(word, component=None):
 
 
 def read(case, word, time, component=None, along=None):
-    """The Quantity of a field at a time. along: the component of vectors that is taken where none is asked for; without, the size."""
+    """The Quantity of a field at a time. along: the component of vectors that is the default; None: the size."""
     name, part = split(word, component)
     there = fields(case, time)
     if name not in there:

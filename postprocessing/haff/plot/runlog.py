@@ -111,7 +111,7 @@ class Story:
 
 
 def locked(case):
-    """Does a run hold the lock of the case? It is asked for, not taken."""
+    """Does a run hold the lock of the case? The lock is tested, not taken."""
     try:
         with open(os.path.join(case, ".haff.lock"), "rb") as f:
             asked = struct.pack("hhqqi4x", fcntl.F_RDLCK, 0, 0, 0, 0)

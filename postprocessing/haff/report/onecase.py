@@ -15,7 +15,7 @@ from haff.report.page import Page
 from haff.report.pictures import LOST, Film, Painter, some_of
 from haff.report.words import ESCAPE, rows, symbol, table, tag, tiles, unfold
 
-FRAMES, WORK = 12, 6_000_000  # written times in a film, where nothing is asked for, and cells or grains in all pictures of it
+FRAMES, WORK = 12, 6_000_000  # defaults: written times in a film; cells or grains in all of its pictures
 SOLID_FRAMES = 6  # of films in three dimensions, whose pictures take a second each
 MOST_FIELDS = 16  # pictures of fields at the last time
 
@@ -134,7 +134,7 @@ class Report:
     # ---- pictures ----
 
     def worth(self, last):
-        """Times of films, where nothing is asked for: fewer of large cases."""
+        """Times of films by default: fewer of large cases."""
         size = max(self.painter.space.mesh.cells, len(grains.places(self.case, last)) if quantity.has_grains(self.case, last) else 0)
         return int(min(FRAMES, max(WORK // size, 2)))
 
@@ -147,7 +147,7 @@ class Report:
         return main + [n for n in quantity.fields(self.case, time) if n not in main]
 
     def pictures(self, page, last):
-        """Films of the main fields and of grains, pictures of the others at the last time; what is uniform is told in words."""
+        """Films of the main fields and of grains, pictures of the others at the last time; uniform fields are described in words."""
         space, names = self.painter.space, self.names(last)
         column = space.column is not None
         main = [] if column else quantity.main_fields(self.case, last) if names else []

@@ -21,7 +21,7 @@ MESHES = "mesh.geo", "mesh.msh"
 
 
 class ChangedCase(ValueError):
-    """A folder holds something else than it is asked for: a run of another case, of other entries, or no run at all."""
+    """A folder does not hold the wanted run: it is of another case, has other entries, or is no run at all."""
 
 
 def path_of(case):

@@ -62,7 +62,7 @@ def error_text(text):
 
 class Children:
     """The programs that a call has started, and the wish to stop them. They have a session of their own, so that Ctrl-C
-    reaches them by this class alone, and are asked to stop if the thread that started them dies."""
+    reaches them by this class alone, and are stopped if the thread that started them dies."""
 
     def __init__(self):
         self.lock, self.running, self.stopped = threading.Lock(), set(), False

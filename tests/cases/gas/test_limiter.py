@@ -102,7 +102,7 @@ class Limiter(harness.Folder, unittest.TestCase):
                     runs.same(self, runs.contents(os.path.join(case, name)), runs.contents(os.path.join(part, name)), name)
 
     def stopped(self, case, steps):
-        """A run that is asked to stop after so many steps."""
+        """A run that stops after a given number of steps."""
         going = subprocess.Popen([os.path.join(harness.BIN, "granularGas"), "-case", case], stdout=subprocess.PIPE, text=True)
         for line in going.stdout:
             steps -= line.startswith("Time =")

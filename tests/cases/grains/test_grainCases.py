@@ -34,7 +34,7 @@ class GrainCases(harness.Folder, unittest.TestCase):
             self.assertAlmostEqual(float(enskog.simulated(1e-9, d)), 1, places=7)
 
     def test_cooling(self):
-        """To half of the first T at e = 0.95: 2 %, as is asked. Standard deviation 0.4 %, and vortices take up to 1.5 %."""
+        """To half of the first T at e = 0.95: within 2 %. Standard deviation 0.4 %, and vortices take up to 1.5 %."""
         for d, packing in ((2, 0.05), (2, 0.2), (3, 0.1), (3, 0.3)):
             rate = homogeneous.cooling(self.path("cooling"), source("coolingGas"), d, packing, 0.95, 10000)
             self.assertLess(abs(rate - 1), 0.02, f"d = {d}, packing {packing}: {rate}")

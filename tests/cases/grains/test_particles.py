@@ -144,7 +144,7 @@ class Particles(harness.Folder, unittest.TestCase):
         runs.same(self, results(whole, "40"), results(parts, "40"))
 
     def test_balances(self):
-        """Energy that impacts take is told to round-off; momentum stays; elastic grains keep all."""
+        """The log gives the energy lost in impacts to round-off; momentum stays; elastic grains keep all energy."""
         for dim in (2, 3):
             for e in (1, 0.8):
                 cells, size = ((8, 8, 1), (16.0, 16.0, 1.0)) if dim == 2 else ((5, 5, 5), (8.0, 8.0, 8.0))

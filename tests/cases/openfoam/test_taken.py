@@ -277,7 +277,7 @@ class Patches(Case):
                 self.assertIn("'defaultFaces' holds 4 faces that belong to no named patch", done.stderr)
 
     def test_hint(self):
-        """A blockMeshDict without its two empty sides is told to make them empty, one without a wall to make that a wall."""
+        """For a blockMeshDict whose empty sides are no `empty` patches the message says to make them so; likewise for a wall."""
         for name, gone, says in (("plane", r"    zEmpty.*\n", "defaultPatch { name frontAndBack; type empty; }"),
                                  ("wall", r"    xHigh.*\n", "defaultPatch { name walls; type wall; }")):
             case = self.make("hint" + name)

@@ -107,7 +107,7 @@ class Control(harness.Folder, unittest.TestCase):
         self.assertEqual(runs.times(fixed), ["0", "0.005", "0.010", "0.015", "0.020"])
 
     def test_modified_while_it_runs(self):
-        """A wrong controlDict is told of and ignored, a new maxCo is used, a nearer endTime ends the run there."""
+        """A wrong controlDict gives a message and is ignored, a new maxCo is used, a nearer endTime ends the run there."""
         case = self.make("modified", n=(40, 30, 1), end=1e3, e=1.0, cooling="none")
         harness.edit(case, CONTROL, runTimeModifiable="yes")
         run = subprocess.Popen([GAS, "-case", case], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

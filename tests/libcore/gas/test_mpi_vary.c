@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Patches whose values change in time (gas_vary), on both mesh engines: an oscillating wall, a wall heated in time and
- * a wave that enters, against exact solutions; the times that values are asked for; the mass that a patch gives. */
+ * a wave that enters, against exact solutions; the times at which values are wanted; the mass that a patch gives. */
 #include <complex.h>
 
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */

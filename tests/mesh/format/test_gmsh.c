@@ -213,7 +213,7 @@ static void test_other_sections(void **state) {
     polymesh_free(m);
 }
 
-/* The depth of a plane is asked for, or the size of a cell. */
+/* A plane mesh gets the depth that the caller gives, or the size of a cell. */
 static void test_thickness(void **state) {
     (void)state;
     struct polymesh *m;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What readers of fields are told about a mesh: blocks, sums, gathered values, places. */
+/* What readers of fields know about a mesh: blocks, sums, gathered values, places. */
 #include "mesh/grid/grid.h"
 #include "tests/mesh/meshes.h"
 

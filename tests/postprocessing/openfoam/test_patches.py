@@ -179,7 +179,7 @@ class Parts(unittest.TestCase):
         self.assertEqual(shape("cylinderToCell", p1="(-1 0 0)", p2="(1.5 0 0)", radius="1"), [True, True, False, False])
 
     def test_no_numbers(self):
-        """What is no number in setFieldsDict is told with its file and line."""
+        """An entry of setFieldsDict that is no number is refused with file and line."""
         good = """defaultFieldValues
 (
     volScalarFieldValue T 300

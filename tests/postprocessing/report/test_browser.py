@@ -59,7 +59,7 @@ class Pages(harness.Folder, unittest.TestCase):
         self.assertLess(max(map(int, back[1][4:-1].split(","))), 60)
 
     def test_slider(self):
-        """It moves all films and the time that is told, and profiles; at its end it shows the last time again."""
+        """The slider moves all films, profiles and the time shown; at its end it shows the last time again."""
         page = self.browser.open(self.paths["gas"])
         sources = "JSON.stringify([...document.querySelectorAll('[data-film]')].map(i => i.src))"
         move = "slider => { const s = document.getElementById('time'); s.value = slider; s.dispatchEvent(new Event('input')); }"

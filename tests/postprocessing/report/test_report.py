@@ -253,7 +253,7 @@ class Reports(harness.Folder, unittest.TestCase):
                 self.assertEqual(os.path.exists(os.path.join(words[0], "postProcessing")), False)
 
     def test_without_a_run_table(self):
-        """Fields alone, as of another program, are a report, too; expected values without the part that is compared are told of."""
+        """Fields alone, as of another program, are a report, too; expected values without measured ones give a message."""
         path = self.place()
         made.write(os.path.join(path, "expected.json"), "{}")
         at = cases.box(path, (6, 5, 1), (0.6, 0.5, 0.1))

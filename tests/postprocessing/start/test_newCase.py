@@ -109,7 +109,7 @@ class NewCase(harness.Folder, unittest.TestCase):
             return done.returncode, done.stdout, f.read()
 
     def test_a_run_that_has_ended(self):
-        """Allrun leaves it and its log as they are; what has changed since is told, with the way to run it again; a later endTime goes on."""
+        """Allrun leaves it and its log as they are; the message names what has changed since, and how to run it again; a later endTime goes on."""
         case, _ = self.new("-box", "1", "-cells", "20", "-end", "0.2")
         code, said, log = self.allrun(case)
         self.assertEqual(code, 0, said)
@@ -297,7 +297,7 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertEqual(entries.get(os.path.join(case, "constant", "g"), "value"), [0, -9.81, 0])
 
     def test_gravity(self):
-        """A number is downwards whatever its sign, which is told; two numbers are a vector of the plane; upwards is warned of."""
+        """A number is downwards whatever its sign, and the message says so; two numbers are a vector of the plane; upwards is warned of."""
         for words, value, says in (("-9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\): the magnitude of -9.81, downwards"), ("9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\)\n"),
                                    ("0,-9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\)\n"), ("1,-2,0", [1, -2, 0], r"gravity +\(1 -2 0\)\n")):
             with self.subTest(words):
@@ -319,7 +319,7 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertEqual(harness.haff.Case(self.new("-box", "1", "-cells", "20")[0]).units, {"length": "", "mass": "", "time": ""})
 
     def test_plate(self):
-        """Its way is told: A g/(2 pi f)^2; an end before the first stroke has times of its own; a stroke in metres is warned of."""
+        """The message gives the amplitude A g/(2 pi f)^2; an end before the first stroke has times of its own; a stroke in metres is warned of."""
         _, said = self.new("-box", "40x32", "-cells", "20x8", *GRAVITY, "-end", "0.02")
         self.assertIn("cells are 2 x 4 wide", said)
         self.assertIn("shaken by 2.5 g at 0.1 strokes in a unit of time", said)
@@ -331,7 +331,7 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.run_case(self.new("-box", "1x1x1", "-cells", "5x5x5", "-application", "granularMD", "-diameter", "0.08")[0], 0.2)
 
     def test_unknown_names(self):
-        """They are walls, which is told, with the cure; and a .msh is as good as a .geo."""
+        """They are walls, and the message says so, with the cure; and a .msh is as good as a .geo."""
         geo = self.geo("unknown")
         with open(geo, "a") as f:
             f.write("\n")
@@ -439,7 +439,7 @@ class NewCase(harness.Folder, unittest.TestCase):
                 self.assertFalse(os.path.exists(os.path.join(self.folder, "made")))
 
     def test_warnings_are_told(self):
-        """What is asked for and hardly meant is written, with checkCase's warning, its file and line."""
+        """A case that can run but is probably wrong is written, with checkCase's warning, its file and line."""
         said = self.call("coarse", "-box", "1x1", "-cells", "20x20", "-diameter", "0.3")
         self.assertRegex(said, r"warning: coarse/constant/granularProperties:\d+: .*\[largeGrains\]")
         self.assertIn("with warnings", said)

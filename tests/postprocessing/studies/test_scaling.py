@@ -51,7 +51,7 @@ class Counted(harness.Folder, unittest.TestCase):
             yield model
 
     def test_reductions(self):
-        """Every rank takes part in as many reductions, two a step at least, and its memory is told."""
+        """Every rank takes part in as many reductions, two a step at least, and the table has its memory."""
         plain = scaling.count(lattice(os.path.join(self.folder, "plain"), (70, 8, 1)), 2, 4, 2)[0]
         self.assertEqual({r.reductions for r in plain.ranks}, {plain.most("reductions")})
         self.assertGreaterEqual(plain.most("reductions"), 2)

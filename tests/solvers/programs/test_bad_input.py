@@ -210,7 +210,7 @@ class BadInput(Folder):
         self.assertEqual(snapshot(case), before)
 
     def test_triangles(self):
-        """A mesh that is no lattice: checked, with its summary, and refused where a lattice is asked for."""
+        """A mesh that is no lattice: checked, with its summary, and refused by `meshEngine lattice`."""
         case = tempfile.mkdtemp(dir=self.folder)
         shutil.copytree(self.base("box"), case, dirs_exist_ok=True)
         msh = os.path.join(case, "mesh.msh")

@@ -88,7 +88,7 @@ class Version(harness.Folder, unittest.TestCase):
                     self.assertNotIn("olderVersion", self.check("0.1", named)[1])
 
     def test_older_flux(self):
-        """A case that names the flux `common` is told of its rules of single faces."""
+        """The log of a case with the flux `common` lists its rules for single faces."""
         found = re.findall(r"^warning: (.*) \[olderVersion\]$", self.check("0.1", schemes="fluxScheme common;")[1], re.M)
         self.assertEqual(len(found), 1)
         off = "commonCoeffs { shocks off; expansions off; contacts off; }"
