@@ -16,7 +16,7 @@ from haff.case.case import is_time
 
 NOTES = "run.json"
 MADE = re.compile(r"\..*|postProcessing|VTK|diverged|processor\d+|log\..*|run\.json|__pycache__")  # by runs, in the folder of a case
-UNREAD = re.compile(r"README.*|expected\.json|.*\.(py|png|pdf|svg|gif|mp4|foam)|All\w+")  # by programs, in the folder of a case
+UNREAD = re.compile(r"README.*|(expected|tables)\.json|.*\.(py|png|pdf|svg|gif|mp4|foam)|All\w+")  # by programs, in the folder of a case
 MESHES = "mesh.geo", "mesh.msh"
 
 

@@ -14,7 +14,7 @@ docs/makeValidation makes its table of these, for which an entry of `full` also 
 case had when it was last run in full; `./Allcheck -record` writes it down), where it is further from the paper than the tolerance why,
 and beside: what else it is compared with, each with kind, reference, source, allowed (the deviation that the reference has) and why.
 `told` lists what the README compares and no program measures again: quantity, haff and reference as printed there, kind, source; optional
-allowed (printed there, too), why (where the two differ).
+allowed (printed there, too), why (where the two differ). `variants` lists the same case with other entries or another grid (runs/variants.py).
 """
 import csv
 import json
@@ -72,6 +72,13 @@ def upstream_mach(case, _, time):
     cell = np.argmax(case.centres[:, 1] - case.centres[:, 0])
     c = gas(case).c(case.field("rho", time)[cell], case.field("T", time)[cell])
     return np.linalg.norm(case.field("U", time)[cell]) / c
+
+
+def value_before(case, field, time, distance):
+    """At that distance from the greatest x of the faces, between the cells of a one-dimensional case on a straight line."""
+    x, values = case.line((field,), time)
+    h = np.ptp(x) / (len(x) - 1)
+    return float(np.interp(x[-1] + h / 2 - distance, x, values))
 
 
 def column_integral(case, field, time):
@@ -206,6 +213,11 @@ def impacts_beside(case, _, time):
     return float(np.interp(float(time), *box.impacts()) / clustering.at(rows, float(time))[0] - 1)
 
 
+def last_time(case, *_):
+    """The last time written: the end of the run, or the time at which a collapse stopped it."""
+    return float(case.time(None))
+
+
 QUANTITIES = {
     "time at twice Haff's law": doubled,
     "time at twice Haff's law over the grains', less 1,": doubled_beside,
@@ -220,6 +232,7 @@ QUANTITIES = {
     "sum": lambda case, field, time: float(case.field(field, time).sum()),
     "integral along x": column_integral,
     "value at the wall": wall_value,
+    "value off the wall": value_before,
     "upstream Mach number": upstream_mach,
     "asymmetry": asymmetry,
     "L1 error": blast_error,
@@ -232,6 +245,7 @@ QUANTITIES = {
     "rows with a standing wave": swept("state")(lambda states: states.count("stands")),
     "standing waves within 20 % of the paper's": swept("within20")(lambda answers: answers.count("yes")),
     "wavelength": wavelength,
+    "last time": last_time,
     "error of the bunches": lambda case, field, time: bunches.error(case, time),
 }
 
@@ -256,22 +270,36 @@ def load(path, part):
         raise ValueError(f"{file} has no entry \"{part}\" (haff expected -help)")
     if part not in ("full", "short"):
         return found
+    return refuse(found, f"{file}: ", part, ("quantity", "value", "tolerance"))
+
+
+def refuse(found, where, part, needed):
+    """Entries, if they are complete. ValueError says which one is not."""
     if not isinstance(found, list):
-        raise ValueError(f"{file}: \"{part}\" is no list of entries (haff expected -help)")
+        raise ValueError(f"{where}\"{part}\" is no list of entries (haff expected -help)")
     for n, entry in enumerate(found, 1):
-        lack = [key for key in ("quantity", "value", "tolerance") if not isinstance(entry, dict) or key not in entry]
+        lack = [key for key in needed if not isinstance(entry, dict) or key not in entry]
         if lack:
-            raise ValueError(f"{file}: entry {n} of \"{part}\" has no {lack[0]}")
+            raise ValueError(f"{where}entry {n} of \"{part}\" has no {lack[0]}")
         if entry["quantity"] not in QUANTITIES:
-            raise ValueError(f"{file}: entry {n} of \"{part}\": there is no quantity '{entry['quantity']}'{suggestion(entry['quantity'], QUANTITIES)}")
+            raise ValueError(f"{where}entry {n} of \"{part}\": there is no quantity '{entry['quantity']}'{suggestion(entry['quantity'], QUANTITIES)}")
     return found
+
+
+def line(entry, indent="    "):
+    """An entry as a line of expected.json; a variant has a line more for each entry in it."""
+    inner = entry.get("full")
+    if inner is None:
+        return indent + json.dumps(entry, ensure_ascii=False)
+    head = json.dumps({k: v for k, v in entry.items() if k != "full"}, ensure_ascii=False)[:-1]
+    return f'{indent}{head}, "full": [\n' + ",\n".join(line(e, indent + "  ") for e in inner) + "]}"
 
 
 def save(path, known):
     """Writes the whole of expected.json, an entry a line."""
     parts = []
     for key, value in known.items():
-        rows = ",\n".join("    " + json.dumps(e, ensure_ascii=False) for e in value) if isinstance(value, list) else ""
+        rows = ",\n".join(map(line, value)) if isinstance(value, list) else ""
         parts.append(f'  "{key}": ' + (f"[\n{rows}\n  ]" if rows else json.dumps(value)))
     with open(os.path.join(path, "expected.json"), "w", encoding="utf-8") as f:
         f.write("{\n" + ",\n".join(parts) + "\n}\n")
@@ -284,11 +312,12 @@ def measure(case, entry):
     time = case.time(entry["time"])
     if abs(float(time) - entry["time"]) > 1e-9 * max(1, entry["time"]):
         raise KeyError(f"{case.path}: time {entry['time']} was not written; the nearest is {time}")
-    return QUANTITIES[entry["quantity"]](case, entry.get("field"), time)
+    return QUANTITIES[entry["quantity"]](case, entry.get("field"), time, *([entry["at"]] if "at" in entry else []))
 
 
 def describe(entry):
     where = f" of {entry['folder']}" if entry.get("folder", ".") != "." else ""
+    where += f" at {entry['at']:g}" if "at" in entry else ""
     moment = f" at t = {entry['time']:g}" if "time" in entry else ""
     return f"{entry['quantity']} {entry.get('field', '')}{where}{moment}".replace("  ", " ").strip()
 

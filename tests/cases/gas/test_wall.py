@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gas that falls on a wall: packing and mass before the collapse; the way through it; what the threshold changes."""
+"""Gas that falls on a wall: the way through its collapse; what the threshold changes. Packing and mass before: tests/cases/test_variants.py."""
 import unittest
 
 import numpy as np
@@ -10,9 +10,6 @@ PROPERTIES = "constant/granularProperties"
 
 
 class Wall(harness.Folder, unittest.TestCase):
-    def test_250_cells(self):
-        self.compare(self.short("wall", 250, endTime=0.2), harness.entries("wall"))
-
     def test_threshold_matters_in_the_cluster_only(self):
         """Away from the cluster a threshold ten times less changes a hundred times less, or nearly so."""
         rho = {}

@@ -82,6 +82,32 @@ class CheckCases(harness.Folder, unittest.TestCase):
             del entry["measured"]
         self.assertEqual(after, before)
 
+    def test_variants(self):
+        """A variant runs as a copy of the case with its entries and grid; without -record a value that was never written down fails."""
+        known = expected.read(self.case)
+        entry = {"quantity": "maximum", "field": "T", "tolerance": 1e-4}
+        known["variants"] = [{"name": "N=40", "mesh": {"N": 40}, "changes": {"system/controlDict": {"endTime": 0.1}}, "full": [{**entry, "time": [0, 0.1]}]}]
+        expected.save(self.case, known)
+        self.addCleanup(expected.save, self.case, {k: v for k, v in known.items() if k != "variants"})
+        self.assertRegex(self.check("-list"), r"sod/N=40 +0 s +2 values")
+        self.assertEqual(self.check("sod/N=40", code=1).count("FAILED"), 2)
+        self.assertNotIn("sod  ", self.check("sod/N=40", "-record"))
+        made = expected.read(self.case)["variants"][0]
+        self.assertGreater(made["seconds"], 0)
+        self.assertEqual(made["full"][0]["measured"][0], 1)
+        self.assertEqual(self.check("sod/N=40").count("  ok\n"), 2)
+        copy = os.path.join(self.top, "build", "check", "variants", "sod-N=40", "sod")
+        self.assertEqual((harness.haff.Case(copy).mesh.cells, harness.haff.Case(copy).times[-1]), (40, "0.1"))
+        made["mesh"]["N"] = 50
+        made["full"][0]["measured"][1] += 1e-2
+        expected.save(self.case, {**known, "variants": [made]})
+        self.assertRegex(self.check("sod/N=40", code=1), r"T at t = 0.1 .*FAILED")
+        self.assertEqual(harness.haff.Case(copy).mesh.cells, 50, "another grid makes another run")
+        made["ends"] = 2
+        expected.save(self.case, {**known, "variants": [made]})
+        shutil.rmtree(copy)
+        self.assertIn("the run reached its end, and did not stop with 2", self.check("sod/N=40", code=1))
+
     def test_expected(self):
         """haff expected CASE: a line a value, exit code 1 if one is off."""
         case = harness.copy("sod", self.folder)
