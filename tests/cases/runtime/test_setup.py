@@ -91,12 +91,14 @@ class Setup(unittest.TestCase):
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("bad mesh", done.stderr)
 
+    def packages(self):
+        """Stand-ins that have all packages, and a build that is made at once."""
+        for name, text in (("cmake", "echo cmake speaks\n"), ("dpkg-query", "echo install ok installed\n"), ("mpicc", "")):
+            script(os.path.join(self.top, "build", "bin", name), text)
+
     def test_plan(self):
         """A stranger sees five lines and the picture's path; the rest is in logs; -v shows all; a failure shows the end of the log."""
-        for name in ("cmake", "dpkg-query"):
-            script(os.path.join(self.top, "build", "bin", name), f'echo "{name} speaks"\n')
-        script(os.path.join(self.top, "build", "bin", "dpkg-query"), "echo install ok installed\n")
-        script(os.path.join(self.top, "build", "bin", "mpicc"), "")
+        self.packages()
         show = lambda *options: subprocess.run([os.path.join(self.top, "Allrun"), *options, "wall"], capture_output=True, text=True, stdin=subprocess.DEVNULL)
         done = show()
         self.assertRegex(done.stderr, r"^haff: 1/5 packages.*\nhaff: 2/5 build, .*build/log\nhaff: 3/5 mesh .*\n"
@@ -111,6 +113,17 @@ class Setup(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout), (1, ""))
         self.assertRegex(done.stderr, r"(?s)99\n100\nno compiler\nhaff: .* failed, see above\n$")
         self.assertNotIn("\n60\n", done.stderr)
+
+    def test_words(self):
+        """Words behind the case go to its Allrun, options of theirs, too; a case that reads none says so."""
+        self.packages()
+        show = lambda *words: subprocess.run([os.path.join(self.top, "Allrun"), *words], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+        done = show("wall", "fig9")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("takes no words: fig9", done.stderr)
+        script(os.path.join(self.top, "cases", "wall", "Allrun"), 'echo "words ${1:-none} $# $ranks"\n')
+        self.assertEqual(show("-np", "3", "wall", "table", "-rows", "5").stdout, "words table 3 3\n")
+        self.assertEqual(show("wall").stdout, "words none 0 \n")
 
     def test_missing_packages(self):
         """Without root and sudo: one line to run, exit code 1."""
