@@ -444,7 +444,6 @@ static void sweep_plane(struct sweep *x, int k) {
 
 /* Makes the primitives of plane k, ghosts included, and what fluxes along axis 2 read of it. */
 static void ready_plane(struct sweep *x, int k) {
-    const struct gas *g = x->pass.g;
     const int reach = k < 0 || k >= x->n[2] ? 0 : GHOSTS;
     for (int j = -reach; j < x->n[1] + reach; j++) {
         make_row(x, j, k);
