@@ -51,7 +51,6 @@ WITHOUT = {  # page: how many of its tables stand below none of these lines. It 
     "cases/segregationLinear/README.md": 2,
     "cases/settlingColumn/README.md": 2,
     "cases/sphere3D/README.md": 1,
-    "cases/vibratedLayer/README.md": 3,
     "cases/wallThrough/README.md": 3,
     "cases/wedge/README.md": 3,
     "cases/wedge15/README.md": 2,

@@ -168,7 +168,7 @@ class Variant(Copy):
     def carry_out(self):
         wanted = self.variant.get("ends", 0)
         try:
-            run.run(home(self.case), self.variant.get("changes"), mesh=self.variant.get("mesh"), folder=self.path, ranks=int(os.environ.get("ranks", 1)))
+            run.run(home(self.case), variants.changes(self.variant, home(self.case)), mesh=self.variant.get("mesh"), folder=self.path, ranks=int(os.environ.get("ranks", 1)))
         except run.RunError as error:
             return "" if error.code == wanted else f"{error.program} ended with {error.code}; see {os.path.relpath(error.log)}"
         return f"the run reached its end, and did not stop with {wanted}" if wanted else ""

@@ -74,11 +74,34 @@ def upstream_mach(case, _, time):
     return np.linalg.norm(case.field("U", time)[cell]) / c
 
 
+def lowest_row(case, field, time):
+    """x and values of the cells of least y, ascending in x, and the x of the wall at their end."""
+    row = np.flatnonzero(np.isclose(case.centres[:, 1], case.centres[:, 1].min()))
+    row = row[np.argsort(case.centres[row, 0])]
+    x = case.centres[row, 0]
+    return x, case.field(field, time)[row], x[-1] + (x[-1] - x[-2]) / 2
+
+
 def value_before(case, field, time, distance):
-    """At that distance from the greatest x of the faces, between the cells of a one-dimensional case on a straight line."""
-    x, values = case.line((field,), time)
-    h = np.ptp(x) / (len(x) - 1)
-    return float(np.interp(x[-1] + h / 2 - distance, x, values))
+    """At that distance from the wall at the end of the lowest row of cells, on straight lines between their centres."""
+    x, values, wall = lowest_row(case, field, time)
+    return float(np.interp(wall - distance, x, values))
+
+
+def front(case, field, time, factor):
+    """x in the lowest row of cells at which the field first exceeds its first value that many times."""
+    x, values, _ = lowest_row(case, field, time)
+    n = int(np.argmax(values > factor * values[0]))
+    return float(np.interp(factor * values[0], values[n - 1:n + 1], x[n - 1:n + 1]))
+
+
+def change_within(case, field, time, span):
+    """Sum of the differences to the cells a span of time earlier, over the sum of the cells."""
+    earlier = case.time(float(time) - span)
+    if abs(float(time) - span - float(earlier)) > 1e-9 * float(time):
+        raise KeyError(f"{case.path}: time {float(time) - span:g} was not written; the nearest is {earlier}")
+    values = case.field(field, time)
+    return float(np.abs(values - case.field(field, earlier)).sum() / np.abs(values).sum())
 
 
 def column_integral(case, field, time):
@@ -233,6 +256,8 @@ QUANTITIES = {
     "integral along x": column_integral,
     "value at the wall": wall_value,
     "value off the wall": value_before,
+    "position of the front": front,
+    "change within a time": change_within,
     "upstream Mach number": upstream_mach,
     "asymmetry": asymmetry,
     "L1 error": blast_error,
@@ -317,7 +342,7 @@ def measure(case, entry):
 
 def describe(entry):
     where = f" of {entry['folder']}" if entry.get("folder", ".") != "." else ""
-    where += f" at {entry['at']:g}" if "at" in entry else ""
+    where += f" ({entry['at']:g})" if "at" in entry else ""
     moment = f" at t = {entry['time']:g}" if "time" in entry else ""
     return f"{entry['quantity']} {entry.get('field', '')}{where}{moment}".replace("  ", " ").strip()
 

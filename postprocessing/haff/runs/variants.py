@@ -14,6 +14,7 @@ import math
 import os
 import re
 
+from haff.case import entries as dictionary
 from haff.runs import expected
 
 LISTS = ("field", "time", "at")  # keys that may have a list
@@ -50,6 +51,14 @@ def entries(variant):
     """Its entries, each of one field and time, with a value; `own`: that is what was written down, or nan."""
     rows = [one for entry in variant["full"] for one in spread(entry)]
     return [one if "value" in one else {**one, "value": one.get("measured", math.nan), "own": True} for one in rows]
+
+
+def changes(variant, case):
+    """Its changes, without the VTK files of the case, which nothing here reads."""
+    found, control = dict(variant.get("changes", {})), "system/controlDict"
+    if any(entry.path == ("functions", "vtk") for entry in dictionary.parse(dictionary.read(os.path.join(case, control)))):
+        found[control] = {**found.get(control, {}), "functions/vtk": None}
+    return found
 
 
 def rounded(value, tolerance):

@@ -98,6 +98,7 @@ class CheckCases(harness.Folder, unittest.TestCase):
         self.assertEqual(self.check("sod/N=40").count("  ok\n"), 2)
         copy = os.path.join(self.top, "build", "check", "variants", "sod-N=40", "sod")
         self.assertEqual((harness.haff.Case(copy).mesh.cells, harness.haff.Case(copy).times[-1]), (40, "0.1"))
+        self.assertFalse(os.path.exists(os.path.join(copy, "VTK")))
         made["mesh"]["N"] = 50
         made["full"][0]["measured"][1] += 1e-2
         expected.save(self.case, {**known, "variants": [made]})

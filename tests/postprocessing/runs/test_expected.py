@@ -83,12 +83,18 @@ class Own(unittest.TestCase):
                                            ("value at the wall", "T", 0.675**2), ("last time", None, 3)):
                 case = expected.haff.Case(folder)
                 self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "field": field, "time": 3}), value, 12, (quantity, field))
+            cases.fields(folder, "4", rho=np.where(y < 0.25, 3 + x, 100))
+            for quantity, at, value in (("value off the wall", 0.3, 4.7), ("value off the wall", 0, 4.875), ("position of the front", 1.25, 1.25 * 3.125 - 3)):
+                self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "field": "rho", "time": 4, "at": at}), value, 12, (quantity, at))
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
             x = cases.box(folder, (8, 1, 1), (2, 0.1, 0.1))[:, 0]
             cases.fields(folder, "3", rho=3 + x)
             case = expected.haff.Case(folder)
             self.assertAlmostEqual(expected.measure(case, {"quantity": "integral along x", "field": "rho", "time": 3}), 8, 12)
             self.assertAlmostEqual(expected.measure(case, {"quantity": "sum", "field": "rho", "time": 3}), 32, 12)
+            cases.fields(folder, "2.5", rho=3.5 + x)
+            self.assertAlmostEqual(expected.measure(case, {"quantity": "change within a time", "field": "rho", "time": 3, "at": 0.5}), 0.5 / 4, 12)
+            self.assertEqual(expected.judge(folder, {"quantity": "change within a time", "field": "rho", "time": 3, "at": 0.4, "value": 0, "tolerance": 1})[2][:6], "none (")
             for distance, value in ((0.125, 4.875), (0.3, 4.7), (0, 4.875)):
                 self.assertAlmostEqual(expected.measure(case, {"quantity": "value off the wall", "field": "rho", "time": 3, "at": distance}), value, 12)
 
