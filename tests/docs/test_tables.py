@@ -52,7 +52,6 @@ WITHOUT = {  # page: how many of its tables stand below none of these lines. It 
     "cases/settlingColumn/README.md": 2,
     "cases/sphere3D/README.md": 1,
     "cases/wallThrough/README.md": 3,
-    "cases/wedge/README.md": 3,
     "cases/wedge15/README.md": 2,
     "cases/wedge15Dilute/README.md": 1,
     "cases/wedgeDense/README.md": 3,

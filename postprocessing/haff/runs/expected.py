@@ -104,6 +104,25 @@ def change_within(case, field, time, span):
     return float(np.abs(values - case.field(field, earlier)).sum() / np.abs(values).sum())
 
 
+def floor_value(case, field, time):
+    """In the cell of least y."""
+    return case.field(field, time)[np.argmin(case.centres[:, 1])]
+
+
+def dense(case, time, least):
+    """The cells with more than that packing."""
+    return np.flatnonzero(case.field("alpha", time) > least)
+
+
+def dense_maximum(case, field, time, least):
+    return float(case.field(field, time)[dense(case, time, least)].max())
+
+
+def height_of_maximum(case, field, time, least):
+    cells = dense(case, time, least)
+    return float(case.centres[cells[np.argmax(case.field(field, time)[cells])], 1])
+
+
 def column_integral(case, field, time):
     """Integral along x per cross-section of a one-dimensional case."""
     x = case.centres[:, 0]
@@ -191,9 +210,9 @@ def row_of(case, time):
     return columns.profile(layer, time), grains[min(grains, key=lambda m: abs(m - moment))]
 
 
-def difference_to_grains(case, field, time):
-    """L1, relative, over cells where there are grains."""
-    return float(columns.difference(*row_of(case, time), field))
+def difference_to_grains(case, field, time, raised=0.0):
+    """L1, relative, over cells where there are grains; field: of the profile, or energy; raised: how far the gas is lifted (m)."""
+    return float(columns.difference(*row_of(case, time), columns.energy if field == "energy" else field, raised))
 
 
 def kept_box(case):
@@ -255,6 +274,10 @@ QUANTITIES = {
     "sum": lambda case, field, time: float(case.field(field, time).sum()),
     "integral along x": column_integral,
     "value at the wall": wall_value,
+    "value at the floor": floor_value,
+    "maximum above that packing": dense_maximum,
+    "height of the maximum above that packing": height_of_maximum,
+    "height up to that packing": lambda case, field, time, least: float(case.centres[dense(case, time, least), 1].max()),
     "value off the wall": value_before,
     "position of the front": front,
     "change within a time": change_within,

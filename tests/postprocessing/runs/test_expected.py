@@ -98,6 +98,17 @@ class Own(unittest.TestCase):
             for distance, value in ((0.125, 4.875), (0.3, 4.7), (0, 4.875)):
                 self.assertAlmostEqual(expected.measure(case, {"quantity": "value off the wall", "field": "rho", "time": 3, "at": distance}), value, 12)
 
+    def test_heights(self):
+        """Of a column in y, whose thin upper half is left out."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            y = cases.box(folder, (1, 8, 1), (0.1, 2, 0.1))[:, 1]
+            cases.fields(folder, "3", alpha=np.where(y < 1, 0.3, 0.01), T=1 + y * (1.6 - y) + 7 * (y > 1))
+            case = expected.haff.Case(folder)
+            for quantity, value in (("maximum above that packing", 1 + 0.875 * 0.725), ("height of the maximum above that packing", 0.875),
+                                    ("height up to that packing", 0.875)):
+                self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "field": "T", "time": 3, "at": 0.02}), value, 12, quantity)
+            self.assertAlmostEqual(expected.measure(case, {"quantity": "value at the floor", "field": "T", "time": 3}), 1 + 0.125 * 1.475, 12)
+
     def test_asymmetry(self):
         """About the line y = 10 - x: a field that mirrors itself has none; one cell that is off by a tenth of the greatest value has that."""
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
