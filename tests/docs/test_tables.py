@@ -54,7 +54,6 @@ WITHOUT = {  # page: how many of its tables stand below none of these lines. It 
     "cases/wallThrough/README.md": 3,
     "cases/wedge15/README.md": 2,
     "cases/wedge15Dilute/README.md": 1,
-    "cases/wedgeDense/README.md": 3,
     "cases/wedgeTriangles/README.md": 1,
     "postprocessing/reports/crossCheck.md": 22,
     "postprocessing/reports/denseShocks.md": 11,

@@ -36,7 +36,8 @@ def home(name):
 def copies_in(root):
     """All cases and variants, the cheapest first."""
     found = [Copy(name, root) for name in names()]
-    found += [Variant(name, variant, root) for name in names() for variant in variants.load(home(name))]
+    for name in names():
+        found += [(Variant if variants.digest(v) else Extra)(name, v, root) for v in variants.load(home(name))]
     return sorted(found, key=lambda copy: (copy.cost, copy.name))
 
 
@@ -57,6 +58,9 @@ class Copy:
         """name: what the table says; path: of the copy; notes: how far it has come."""
         self.name, self.case, self.root, self.path, self.notes = name, case, root, path, notes
         self.state = {"stamp": "", "seconds": 0.0, "done": False}
+
+    def recall(self):
+        """How far an earlier call has come."""
         if os.path.exists(self.notes) and os.path.isdir(self.path):
             with open(self.notes) as f:
                 self.state = json.load(f)
@@ -85,7 +89,7 @@ class Copy:
 
     def make(self):
         """The case anew, and links to whatever else its scripts look for."""
-        for link in [".ci", "postprocessing", "build/bin", "tests/oracles"] + [f"cases/{n}" for n in names() if n != self.name]:
+        for link in [".ci", "postprocessing", "build/bin", "tests/oracles"] + [f"cases/{n}" for n in names() if n != self.case]:
             at = os.path.join(self.root, link)
             os.makedirs(os.path.dirname(at), exist_ok=True)
             if not os.path.lexists(at):
@@ -93,9 +97,9 @@ class Copy:
         if os.path.islink(self.path):
             os.remove(self.path)
         shutil.rmtree(self.path, ignore_errors=True)
-        shutil.copytree(os.path.join(TOP, "cases", self.name), self.path, ignore=RESULTS)
+        shutil.copytree(home(self.case), self.path, ignore=RESULTS)
         subprocess.run([os.path.join(self.path, "Allclean")], check=True)  # copies that variants made
-        for name in sources(self.name)[1:]:
+        for name in sources(self.case)[1:]:
             if not os.path.islink(os.path.join(self.root, "cases", name)):
                 shutil.copytree(os.path.join(TOP, "cases", name), os.path.join(self.root, "cases", name), ignore=RESULTS,
                                 dirs_exist_ok=True)
@@ -103,10 +107,11 @@ class Copy:
     def refresh(self):
         """Takes over what a run does not depend on, as the values to compare with."""
         for name in ("expected.json", "figure.py"):
-            shutil.copy(os.path.join(TOP, "cases", self.name, name), self.path)
+            shutil.copy(os.path.join(home(self.case), name), self.path)
 
     def run(self):
         """Runs to the end unless that stands; returns what went wrong."""
+        self.recall()
         stamp = self.stamp()
         if stamp != self.state["stamp"]:
             self.make()
@@ -123,7 +128,7 @@ class Copy:
 
     def carry_out(self):
         """Calls Allrun; returns what went wrong."""
-        log = os.path.join(self.root, self.name + ".log")
+        log = os.path.join(self.root, self.case + ".log")
         with open(log, "w") as f:
             code = subprocess.run([os.path.join(self.path, "Allrun")], stdin=subprocess.DEVNULL, stdout=f, stderr=f,
                                   env={**os.environ, "HAFF_REPORT": "no"}).returncode
@@ -146,7 +151,25 @@ class Copy:
         expected.save(home(self.case), known)
 
 
-class Variant(Copy):
+class Extra(Copy):
+    """More numbers of the case itself, of the same run: a variant that changes nothing."""
+
+    def __init__(self, case, variant, root):
+        super().__init__(case, root)
+        self.name, self.variant = f"{case}/{variant['name']}", variant
+
+    def entries(self):
+        return variants.entries(self.variant)
+
+    @staticmethod
+    def stands(entry, value):
+        return entry["measured"] == variants.rounded(value, entry["tolerance"])
+
+    def write_down(self, values):
+        variants.write_down(home(self.case), self.variant["name"], values)
+
+
+class Variant(Extra):
     """A case with other entries or on another grid, in build/check/variants. The folder of the copy has the name of the case, which some
     quantities need."""
 
@@ -172,13 +195,6 @@ class Variant(Copy):
         except run.RunError as error:
             return "" if error.code == wanted else f"{error.program} ended with {error.code}; see {os.path.relpath(error.log)}"
         return f"the run reached its end, and did not stop with {wanted}" if wanted else ""
-
-    def entries(self):
-        return variants.entries(self.variant)
-
-    @staticmethod
-    def stands(entry, value):
-        return entry["measured"] == variants.rounded(value, entry["tolerance"])
 
     def write_down(self, values):
         variants.write_down(home(self.case), self.variant["name"], values, self.state["seconds"])
@@ -240,7 +256,7 @@ def main():
     chosen = [copy for copy in chosen if copy.cost <= options.within]
     if options.list:
         for copy in chosen:
-            entries = copy.entries() if isinstance(copy, Variant) else expected.load(home(copy.case), "full")
+            entries = copy.entries() if isinstance(copy, Extra) else expected.load(home(copy.case), "full")
             print(f"{copy.name:<32}{copy.cost:>7g} s {len(entries):>3} values")
         return 0
     os.environ["ranks"] = str(options.np)

@@ -104,6 +104,10 @@ class CheckCases(harness.Folder, unittest.TestCase):
         expected.save(self.case, {**known, "variants": [made]})
         self.assertRegex(self.check("sod/N=40", code=1), r"T at t = 0.1 .*FAILED")
         self.assertEqual(harness.haff.Case(copy).mesh.cells, 50, "another grid makes another run")
+        expected.save(self.case, {**known, "variants": [made, {"name": "more", "full": [{**entry, "time": 0.2}]}]})
+        self.assertIn("3 of 3 cases", self.check("sod/more", "sod", "-record"))
+        self.assertEqual((expected.read(self.case)["variants"][1]["full"][0]["measured"], "seconds" in expected.read(self.case)["variants"][1]), (1.14269, False))
+        self.assertFalse(os.path.exists(os.path.join(self.top, "build", "check", "variants", "sod-more")), "it is the run of the case")
         made["ends"] = 2
         expected.save(self.case, {**known, "variants": [made]})
         shutil.rmtree(copy)
