@@ -9,18 +9,6 @@ from haff.exact import segregation
 from haff.plot import figures, script
 from haff.studies import mixture
 
-
-def errors(path):
-    """dy and the errors at t = 2 in max, L2, H1."""
-    y, phi = mixture.profile(path, 2.0)
-    h, e = y[1] - y[0], phi - segregation.kink(y, 2.0)
-    slope = np.gradient(e, h, edge_order=2)
-    trapezium = np.full(len(y), h)
-    trapezium[[0, -1]] = h / 2
-    l2 = np.sqrt(np.sum(trapezium * e**2))
-    return h, np.max(np.abs(e)), l2, np.hypot(l2, np.sqrt(np.sum(trapezium * slope**2)))
-
-
 case = script.folder()
 fig, axes = figures.panels(1, 2, width=7.0, height=2.8)
 fine = np.linspace(-0.5, 0.5, 1001)
@@ -32,7 +20,7 @@ for t in (0, 1, 2):
     axes[0][0].plot(y[::10], phi[::10], ".", markersize=3, label=f"$t$ = {t} s")
 axes[0][0].legend()
 figures.label(axes[0][0], "$y$ (m)", r"$\phi$")
-table = np.array([errors(os.path.join(case, f"M{M}")) for M in (51, 101, 201, 401, 801)])
+table = np.array([list(mixture.front_errors(os.path.join(case, f"M{M}"), 2.0).values()) for M in (51, 101, 201, 401, 801)])
 for k, name in enumerate(("max", "$L_2$", "$H_1$"), 1):
     axes[0][1].loglog(table[:, 0], table[:, k], "o-", markersize=3, label=name)
 axes[0][1].loglog(table[:, 0], 2 * table[:, 0] ** 2, color="0.6", linewidth=0.7, label="second order")

@@ -31,6 +31,7 @@ from haff.exact.eos import GoldshteinShapiro, PerfectGas
 from haff.exact.riemann import BLAST, Riemann
 from haff.paths import TOP, suggestion
 from haff.plot import cellmap
+from haff.runs import exactErrors
 from haff.studies import bunches, clustering, columns, faraday, shocks
 
 REFERENCES = os.path.join(TOP, "postprocessing", "references")
@@ -261,6 +262,7 @@ def last_time(case, *_):
 
 
 QUANTITIES = {
+    **exactErrors.QUANTITIES,
     "time at twice Haff's law": doubled,
     "time at twice Haff's law over the grains', less 1,": doubled_beside,
     "energy of motion over the grains', less 1,": cooled_beside,

@@ -3,6 +3,7 @@
 import numpy as np
 
 import haff
+from haff.exact import segregation
 
 
 def profile(path, time=None):
@@ -22,3 +23,14 @@ def history(path):
     times = haff.Case(path).times
     profiles = [profile(path, t) for t in times]
     return np.array([float(t) for t in times]), profiles[0][0], np.array([p for _, p in profiles])
+
+
+def front_errors(path, time):
+    """Distance of the nodes, and errors against the front of cases/kink in max, L2 and H1."""
+    y, phi = profile(path, time)
+    h, e = y[1] - y[0], phi - segregation.kink(y, time)
+    slope = np.gradient(e, h, edge_order=2)
+    trapezium = np.full(len(y), h)
+    trapezium[[0, -1]] = h / 2
+    l2 = np.sqrt(np.sum(trapezium * e**2))
+    return {"h": h, "max": np.max(np.abs(e)), "L2": l2, "H1": np.hypot(l2, np.sqrt(np.sum(trapezium * slope**2)))}
