@@ -110,7 +110,7 @@ class Made(unittest.TestCase):
         self.assertEqual(self.rows({"cells": ["c", {"of": "full", "quantity": "minimum", "format": "{:.4f}"}, ""]}), ["| c | 3.1416 | |"])
         self.assertEqual(self.rows({"cells": ["c", {"of": "full", "quantity": "minimum", "folder": "copy", "format": "{:.4f}"}, ""]}), ["| c | 2.7183 | |"])
         self.assertEqual(self.rows({"cells": ["c", {"of": "fine", "order": "coarse", "format": "{:.1f}"}, ""]}), ["| c | -0.3 | |"], "log2(1.234/1.5)")
-        self.assertEqual(self.rows({"cells": ["c"], "of": "coarse", "scale": 0.01, "format": "{:.2e}"}), ["| c | 1.23e-02 | 2.34e-02 |"])
+        self.assertEqual(self.rows({"cells": ["c"], "of": "coarse", "scale": 0.01, "format": "{:.2e}"}), ["| c | 1.23e-2 | 2.34e-2 |"])
         self.assertEqual(self.rows({"cells": ["c"], "of": "coarse"}, columns=[{"time": 1, "format": "{:.1f}"}, {"time": 2}]), ["| c | 1.2 | 2.34 |"])
         stop = {"quantity": "last time", "format": "stops at {:.1f}"}
         self.assertEqual(self.rows({"cells": ["c"], "of": "fine"}, otherwise=stop), ["| c | 1.50 | stops at 1.6 |"])
