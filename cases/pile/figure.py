@@ -78,8 +78,8 @@ def main(folder):
         line, = ax.plot(t, u, label=name or "e = 0.9")
         other.plot(t, height, ":", color=line.get_color())
         for row in zip(t, height, u, across, flow):
-            print("{} {:.1f} s: centre of mass {:.3f} mm, u {:.4f} m/s, across {:.4f} m/s, flow {:.4g} mm^3/s".format(name or "pile", *row),
-                  file=sys.stderr)
+            print("{} {:.1f} s: centre of mass {:.3f} mm, u {:.4f} m/s, across {:.4f} m/s, flow {:.4g} mm^3/s; V* {:.2f}, Q* {:.1f}".format(
+                name or "pile", *row, 1e3 * row[2] / np.sqrt(GRAVITY * GRAIN), row[4] / WIDTH / np.sqrt(GRAVITY * GRAIN**3)), file=sys.stderr)
     ax.set_xlim(0, None)
     ax.set_ylim(0, None)
     ax.legend(fontsize=7, loc="lower right")

@@ -1,6 +1,6 @@
 // The section of a channel, 48 mm wide (x) and 80 mm high (y): N x 2 N cells. Gas flows along z, which the mesh does not resolve.
 DefineConstant[ N = {40, Min 10, Step 10, Name "cells across"} ];
-DefineConstant[ shape = {0, Choices{0 = "section", 1 = "column", 2 = "box of three cells along z"}, Name "shape"} ];
+DefineConstant[ shape = {0, Choices{0 = "section", 1 = "column", 2 = "box of three cells along z", 3 = "channel of 2.26 m in 80 cells along z"}, Name "shape"} ];
 W = 0.048; H = 0.08;
 
 If (shape == 1)
@@ -26,7 +26,12 @@ Else
     Physical Curve("left") = {4};
     Physical Surface("gas") = {1};
   Else
-    box[] = Extrude {0, 0, 3*W/N} { Surface{1}; Layers{3}; Recombine; };
+    If (shape == 2)
+      L = 3*W/N; cells = 3;
+    Else
+      L = 2.26; cells = 80;
+    EndIf
+    box[] = Extrude {0, 0, L} { Surface{1}; Layers{cells}; Recombine; };
     Physical Surface("back") = {1};
     Physical Surface("front") = {box[0]};
     Physical Surface("floor") = {box[2]};

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Gas and grains side by side: Figs. 2 and 4 to 8 of Carrillo et al. from two runs of the same row.
 
-    haff faradayFigures GAS GRAINS FOLDER [-gas CYCLE] [-grains CYCLE]
+    haff faradayFigures GAS GRAINS FOLDER [-gas CYCLE] [-grains CYCLE] [-only patterns|profiles|mach|momentum]
 
 GAS: a row of faradayDiagram.py -keep; GRAINS: of ../cases/faradayMD/table1.py -keep; both are written at quarters of the
 period, and taken from those cycles on (default 14 and 20). Moments are those of two periods that begin, t = 0, where the plate
@@ -13,7 +13,7 @@ passes its middle upwards and the grains lie compressed on it. Writes to FOLDER
     mach.png       Mach number and height where the packing is 5 %, there and where a valley lies (Fig. 5)
     momentum.png   momentum over packing at four moments (Figs. 7, 8)
 
-and prints the numbers. Pictures show the last pair of periods of the gas, and the mean of the last four of the grains (the paper: of 25),
+and prints the numbers; `./Allrun faraday fig2` and its like make both runs and call this with -only. Pictures show the last pair of periods of the gas, and the mean of the last four of the grains (the paper: of 25),
 whose wave wanders. Profiles are means over all pairs, of the columns where a heap (a valley) lies at the first moment of each; U and T of a row
 are those of all mass in it.
 """
@@ -138,6 +138,9 @@ def momentum(runs, folder):
     figures.save(fig, os.path.join(folder, "momentum.png"))
 
 
+DRAWN = patterns, profiles, mach, momentum
+
+
 def main():
     parser = command.parser(__doc__)
     parser.add_argument("gas")
@@ -145,11 +148,13 @@ def main():
     parser.add_argument("folder")
     parser.add_argument("-gas", dest="first_gas", type=float, default=14, metavar="CYCLE")
     parser.add_argument("-grains", dest="first_grains", type=float, default=20, metavar="CYCLE")
+    parser.add_argument("-only", choices=[draw.__name__ for draw in DRAWN], help="one of the pictures")
     o = parser.parse_args()
     os.makedirs(o.folder, exist_ok=True)
     runs = [Run(o.gas, o.first_gas, 1), Run(o.grains, o.first_grains, 4)]
-    for draw in (patterns, profiles, mach, momentum):
-        draw(runs, o.folder)
+    for draw in DRAWN:
+        if o.only in (None, draw.__name__):
+            draw(runs, o.folder)
 
 
 if __name__ == "__main__":

@@ -293,6 +293,9 @@ class Files(unittest.TestCase):
         done = subprocess.run([sys.executable, "-m", "haff", "faradayFigures", self.case, self.case, out, "-gas", "1", "-grains", "2"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(sorted(os.listdir(out)), ["mach.png", "momentum.png", "patterns.png", "profiles.png"])
+        alone = subprocess.run([sys.executable, "-m", "haff", "faradayFigures", self.case, self.case, out + "5", "-gas", "1", "-grains", "2", "-only", "mach"], capture_output=True, text=True)
+        self.assertEqual((alone.returncode, os.listdir(out + "5")), (0, ["mach.png"]), alone.stderr)
+        self.assertEqual(alone.stdout.splitlines()[-1], os.path.join(out + "5", "mach.png"), "the last line is the path, as Allrun wants")
         heap = [float(v) for v in re.findall(r"^grains t = .*?heap at t = 0: at the plate (\S+),", done.stdout, re.M)]
         valley = [float(v) for v in re.findall(r"^grains t = .*?valley: at the plate (\S+),", done.stdout, re.M)]
         self.assertEqual((len(heap), len(valley)), (8, 8))
