@@ -38,10 +38,12 @@ COMMANDS = {
     "crossCheck": ("studies.crossCheck", "an elastic case beside rhoCentralFoam"),
     "marquinaStability": ("studies.marquinaStability", "stability of Marquina's flux on uniform gas"),
     "segregationPrecision": ("studies.segregationPrecision", "run time against error of granularSegregation"),
+    "serna": ("studies.serna", "the numbers of Serna & Marquina on several grids and by several fluxes"),
     "figure1": ("studies.figure1", "Fig. 1 of Serna & Marquina"),
     "riemann": ("exact.riemann", "the exact solution of the blast of Serna & Marquina"),
     "obliqueShock": ("exact.obliqueShock", "exact oblique shocks"),
     "layer": ("exact.layer", "the shaken layer by a program independent of the solver"),
+    "muI": ("exact.muI", "steady flow down a rough slope by the law of Jop, Forterre & Pouliquen"),
     "segregation": ("exact.segregation", "exact values of the segregation equation"),
 }
 

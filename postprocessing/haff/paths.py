@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the programs of haff and its source tree are."""
+import datetime
 import difflib
 import os
 import shutil
+import subprocess
 import sys
 
 TOP = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")))
@@ -13,6 +15,13 @@ def lacking(module):
     other = "/usr/bin/python3"
     take = f"take {other}, or  " if os.path.exists(other) and os.path.realpath(other) != os.path.realpath(sys.executable) else f"apt-get install python3-{module}, or  "
     return f"{sys.executable} has no {module}, which haff needs: {take}{sys.executable} -m pip install {module}"
+
+
+def measured_by(command):
+    """The line that stands above a table of a report: commit of the source tree, day, command (tests/docs/test_tables.py)."""
+    said = subprocess.run(["git", "-C", TOP, "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True)
+    commit = said.stdout.strip() if said.returncode == 0 else "00000000"
+    return f"Measured at {commit}, {datetime.date.today()}: `{command}`."
 
 
 def suggestion(word, known):

@@ -20,7 +20,7 @@ from haff import __main__ as haff_main
 from haff import command
 from haff.plot import script
 
-STUDIES = "faradayDiagram faradayOnset workPrecision denseShocks scaling marquinaStability segregationPrecision figure1 riemann obliqueShock layer segregation checkCases".split()
+STUDIES = "faradayDiagram faradayOnset workPrecision denseShocks scaling marquinaStability segregationPrecision figure1 riemann obliqueShock layer segregation checkCases serna muI".split()
 PROGRAMS = ("checkCase", "initialFields", "caseToVTK")
 LAST = "0.015"
 
