@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Steady flow of a dense layer down a rough slope by the law of Jop, Forterre & Pouliquen, Nature 441 (2006) 727.
 
-    haff muI [-slope 27] [-depth 22.5] [-width 48] [-cells 60]
+    haff muI [-slope 27] [-depth 22.5] [-width 48] [-cells 40]
 
 prints V* = u_max/sqrt(g d) and Q* = Q/(d^1.5 g^0.5), Q the flow per width, of the layer between rough side walls and of one without; depth and width in
 grain diameters d. The law is that of an incompressible fluid: tau = mu(I) p, mu = MU_S + (MU_2 - MU_S)/(1 + I_0/I), I = d |grad u|/sqrt(p/rho_grain), with the
@@ -60,7 +60,7 @@ def system(eta_x, eta_y, h):
     return csr_matrix((values, (rows, columns)))
 
 
-def channel(slope, depth, width, cells=60):
+def channel(slope, depth, width, cells=40):
     """(V*, Q*) between rough side walls, on cells x cells."""
     bagnold(slope, depth)
     h, angle = (width / cells, depth / cells), np.radians(slope)
@@ -80,7 +80,7 @@ def main():
     parser.add_argument("-slope", type=float, default=27, metavar="DEGREES")
     parser.add_argument("-depth", type=float, default=22.5)
     parser.add_argument("-width", type=float, default=48)
-    parser.add_argument("-cells", type=int, default=60)
+    parser.add_argument("-cells", type=int, default=40)
     o = parser.parse_args()
     for name, (velocity, flow) in (("between rough side walls", channel(o.slope, o.depth, o.width, o.cells)), ("without side walls", bagnold(o.slope, o.depth))):
         print(f"{name}: V* {velocity:.2f}, Q* {flow:.1f}")

@@ -32,7 +32,7 @@ import numpy as np
 
 import haff
 from haff import command
-from haff.paths import folder_of_programs, of_source
+from haff.paths import folder_of_programs, measured_by, of_source
 from haff.runs import rhocentral, twin
 from haff.studies import comparison
 from haff.studies.comparison import FIELDS
@@ -107,7 +107,7 @@ def order(coarse, fine, value):
 
 
 def table(head, rows):
-    return ["| " + " | ".join(head) + " |", "|" + "---|" * len(head), *("| " + " | ".join(row) + " |" for row in rows), ""]
+    return [measured_by("haff crossCheck CASE"), "", "| " + " | ".join(head) + " |", "|" + "---|" * len(head), *("| " + " | ".join(row) + " |" for row in rows), ""]
 
 
 def with_orders(results, value):

@@ -9,7 +9,7 @@ import numpy as np
 import haff
 from haff.exact.eos import GoldshteinShapiro, PerfectGas
 from haff.exact.riemann import BLAST, Riemann
-from haff.paths import of_source
+from haff.paths import measured_by, of_source
 from haff.runs import twin
 from haff.studies import comparison
 
@@ -96,7 +96,7 @@ def tables(rows):
         good &= holds
         lines += [f"{series.title[0].upper() + series.title[1:]}, against the {series.limit} gas: order {last:.3f} in {series.small} at the "
                   f"end, expected {series.order:.3g}: {'yes' if holds else 'NO'}.", ""]
-        lines += ["| sigma | 1 - e^2 | nu | " + " | ".join(comparison.FIELDS) + " | order (rho) |" + (" rho, exact solutions |" if series.exact else ""),
+        lines += [measured_by("haff crossCheck --limits"), "", "| sigma | 1 - e^2 | nu | " + " | ".join(comparison.FIELDS) + " | order (rho) |" + (" rho, exact solutions |" if series.exact else ""),
                   "|---" * (8 + series.exact) + "|"]
         for before, r in zip([None, *mine], mine):
             lines.append(f"| {r.sigma:.4g} | {r.loss:.3g} | {nu(r.sigma):.3g} | " + " | ".join(f"{r.apart[f]:.3g}" for f in comparison.FIELDS)

@@ -14,6 +14,7 @@ import numpy as np
 
 from haff import command
 from haff.exact.eos import GoldshteinShapiro, PerfectGas, TorquatoSpheres
+from haff.paths import measured_by
 from haff.studies.denseMeshes import Ball, Body, Strip
 from haff.studies.denseTubes import BURSTS, Cooled, Slant, Standing, Tube, burst, contact, drifting_burst, head_on, others, randoms
 from haff.studies.shocks import billig
@@ -256,6 +257,8 @@ def main():
         if options.problem in (None, name):
             print(f"\n## {name}\n", file=out)
             for row in rows:
+                if "\n|---" in row:  # the head of a table
+                    print(measured_by(f"haff denseShocks -problem {name}"), file=out, end="\n\n")
                 print(row, file=out, flush=True)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 import haff
 from haff import command
 from haff.exact.eos import GoldshteinShapiro
-from haff.paths import program
+from haff.paths import measured_by, program
 from haff.runs import boxes
 
 
@@ -188,6 +188,7 @@ MACHS = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9)
 
 
 def onsets():
+    print(measured_by("haff marquinaStability") + "\n")
     print("| onset alpha | " + " | ".join(f"Mach {m:g}" for m in MACHS) + " |\n|---" + "|---" * len(MACHS) + "|")
     for name, gas in GASES.items():
         for e in (1.0, 0.9, 0.2):
@@ -201,7 +202,8 @@ def figure(path):
     import matplotlib.pyplot as plt
 
     plot, axes = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True)
-    print("\n| scheme | Mach | alpha | rate, formulas | program | MarquinaStable keeps |\n|---|---|---|---|---|---|")
+    print("\n" + measured_by("haff marquinaStability") + "\n")
+    print("| scheme | Mach | alpha | rate, formulas | program | MarquinaStable keeps |\n|---|---|---|---|---|---|")
     for ax, reconstruct in zip(axes, ("firstOrder", "WENO5")):
         for i, mach in enumerate((0.0, 0.3, 0.7)):
             for style, (name, gas) in zip(("-", ":"), GASES.items()):

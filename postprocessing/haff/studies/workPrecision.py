@@ -28,7 +28,7 @@ import numpy as np
 
 import haff
 from haff import command
-from haff.paths import TOP, folder_of_programs, of_source
+from haff.paths import TOP, folder_of_programs, measured_by, of_source
 from haff.runs import rhocentral
 from haff.studies.workPrecisionProblems import PROBLEMS, Referenced
 
@@ -285,7 +285,7 @@ def best_table(rows):
         if times and any(t[1] == "" for t in times):
             lines.append(f"| {error:.0e} | " + " | ".join(f"{name} {mark}{t:.3g} s" for t, mark, name in (times + [(0, "", "")] * 3)[:3]
                                                            if name) + " |")
-    return ["| error | soonest | second | third |", "|---|---|---|---|", *lines] if lines else []
+    return [measured_by("haff workPrecision"), "", "| error | soonest | second | third |", "|---|---|---|---|", *lines] if lines else []
 
 
 def ratio_table(rows):
@@ -300,7 +300,7 @@ def ratio_table(rows):
                          f"({label(at)}, {at['cells']:g}) | {'>' if mine[1] else ''} {cpu / mine[0]:.3g} |")
         else:
             lines.append(f"| {error:.3g} | {row['cells']:g} cells, maxCo {row['courant']:g}: {cpu:.3g} s | not reached | |")
-    return ["| error | rhoCentralFoam | haff | CPU ratio |", "|---|---|---|---|", *lines] if lines else []
+    return [measured_by("haff workPrecision"), "", "| error | rhoCentralFoam | haff | CPU ratio |", "|---|---|---|---|", *lines] if lines else []
 
 
 def output(*command):
