@@ -78,6 +78,15 @@ class Lattices(harness.Folder, unittest.TestCase):
         with self.assertRaisesRegex(CannotDraw, "does not cut"):
             space.cut((1, 1, 0), (3, 3, 0))
 
+    def test_cuts_at_the_ends(self):
+        """A plane in the first or the last layer, or on the end of the mesh, shows that layer."""
+        at = cases.box(self.path("ends"), (8, 6, 5), (0.8, 0.6, 0.5))
+        space = cases.space(self.path("ends"))
+        for axis, end in enumerate((0.8, 0.6, 0.5)):
+            for where, layer in ((0, 0.05), (0.03, 0.05), (end - 0.05, end - 0.05), (end, end - 0.05)):
+                image = space.cut(np.eye(3)[axis], np.full(3, where)).image(at[:, axis])
+                np.testing.assert_allclose(image, layer, err_msg=f"{'xyz'[axis]} = {where}")
+
     def test_line(self):
         """Along a line each cell stands once, in the middle of its part; holes are left out."""
         hole = np.zeros((1, 4, 10), bool)
