@@ -126,13 +126,26 @@ class Compared(unittest.TestCase):
         with self.assertRaises(FileNotFoundError):
             haff.compare(a, os.path.join(self.folder, "nowhere"))
 
-    def test_the_figure_has_time_and_units(self):
-        found = haff.compare(self.box("a", (4, 3, 1), {"T": np.zeros(12)}), self.box("b", (4, 3, 1), {"T": np.full(12, 0.1)}))
+    def drawn(self, found):
+        """The figure of a comparison, before it is closed."""
+        from haff.plot.figures import plt
         with unittest.mock.patch("haff.plot.figures.plt.close"):
             found.draw(os.path.join(self.folder, "f.png"))
-            from haff.plot.figures import plt
             figure = plt.gcf()
         plt.close("all")
+        return figure
+
+    def test_the_figure_shows_the_plane_of_the_mesh(self):
+        """A mesh in y and z is drawn over y and z, one in x and z over these; each with its own values."""
+        T = np.arange(12.0)
+        for n, names in (((1, 4, 3), "yz"), ((4, 1, 3), "xz"), ((4, 3, 1), "xy")):
+            a, b = (self.box(f"{names}{k}", n, {"T": T + k}) for k in (0, 1))
+            first = self.drawn(haff.compare(a, b)).axes[0]
+            self.assertEqual((first.get_xlabel(), first.get_ylabel()), tuple(f"${name}$ (m)" for name in names))
+            np.testing.assert_array_equal(first.collections[0].get_array().ravel(), T)
+
+    def test_the_figure_has_time_and_units(self):
+        figure = self.drawn(haff.compare(self.box("a", (4, 3, 1), {"T": np.zeros(12)}), self.box("b", (4, 3, 1), {"T": np.full(12, 0.1)})))
         self.assertIn(" s", figure._suptitle.get_text())
         self.assertEqual([ax.get_title() for ax in figure.axes[:3]], ["T (m^2/s^2), a", "T (m^2/s^2), b", "T (m^2/s^2), difference"])
         self.assertEqual(figure.axes[0].get_xlabel(), "$x$ (m)")
