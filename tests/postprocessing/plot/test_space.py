@@ -9,7 +9,7 @@ import numpy as np
 from tests.cases import harness
 from tests.postprocessing.plot import cases
 
-from haff.plot import solid
+from haff.plot import solid, views
 from haff.plot.canvas import Canvas, FINE, View
 from haff.plot.quantity import CannotDraw
 
@@ -87,6 +87,12 @@ class Lattices(harness.Folder, unittest.TestCase):
                 image = space.cut(np.eye(3)[axis], np.full(3, where)).image(at[:, axis])
                 np.testing.assert_allclose(image, layer, err_msg=f"{'xyz'[axis]} = {where}")
 
+    def test_planes_of_a_page(self):
+        """Without a wish the planes go through the centre of the middle cell, wherever the field differs."""
+        at = cases.box(self.path("planes"), (8, 6, 5), (0.8, 0.6, 0.5))
+        found = views.inside(cases.space(self.path("planes")), (at[:, 0] < 0.2) * 1.0)
+        np.testing.assert_allclose(found, (0.45, 0.35, 0.25))
+
     def test_line(self):
         """Along a line each cell stands once, in the middle of its part; holes are left out."""
         hole = np.zeros((1, 4, 10), bool)
@@ -153,6 +159,17 @@ class Polyhedra(harness.Folder, unittest.TestCase):
         self.assertEqual(set(count), {2})  # the ends close around the polygons
         turned = 0.5 * abs(ring(chain(ends)))
         self.assertAlmostEqual(area(section), turned, delta=1e-6 * turned)
+
+    def test_planes_of_a_page(self):
+        """Without a wish the planes meet at the centroid of the cells whose values differ from the median, but for 1e-4 of the size."""
+        space = cases.space(self.sphere)
+        low, high = space.low, space.high
+        some = (self.sphere_at < low + 0.4 * (high - low)).all(axis=1)
+        self.assertTrue(0 < some.sum() < len(some) / 2)
+        volume = space.case.volumes[some]
+        found = views.inside(space, 3 + 2.0 * some)
+        np.testing.assert_array_less(abs(found - volume @ self.sphere_at[some] / volume.sum()), 1.2e-4 * (high - low))
+        np.testing.assert_array_less(abs(views.inside(space, np.full(len(some), 3.0)) - (low + high) / 2), 1.2e-4 * (high - low))
 
     def test_line_through_tetrahedra(self):
         """The middles of the parts lie in their cells, and the parts follow one another."""
