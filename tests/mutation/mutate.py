@@ -203,7 +203,9 @@ class Tree:
 
     def near(self, path, options):
         """The tests of a file: those of its nearest sources, on one and two ranks, and those that `-also` names."""
-        names = [name for source in nearest(path, self.text(path), self.texts, options.tests) for name in self.names[source]]
+        header = f'"{path.removesuffix(".c")}.h"'  # a file's words are also those of files of its folder that include its header
+        texts = [self.text(path), *(text for text in map(self.text, (self.path / path).parent.glob("*.c")) if header in text)]
+        names = [name for source in nearest(path, "\n".join(texts), self.texts, options.tests) for name in self.names[source]]
         names = [name for name in names if not re.search(r"mpi_.*_4$", name)]
         return names + [name for name in self.tests if options.also and re.search(options.also, name) and name not in names]
 
