@@ -13,6 +13,7 @@ build folder serves all of them. README.md says which tests are near to a file, 
 import argparse
 import ast
 import collections
+import fcntl
 import io
 import json
 import os
@@ -126,8 +127,9 @@ def nearest(path, text, tests, count):
     words, quoted = set(re.findall(WORD, text)), set(re.findall(WORD, " ".join(re.findall(TEXT, text))))
     names = [name.lower() for name in (*stem.split("_"), os.path.basename(folder)) if len(name) > 3]
     included = rf'"[^"]*\b{os.path.basename(folder)}/'
-    near = {test: set(re.findall(WORD, body)) for test, body in tests.items() if not test.startswith(FAR) and (test.endswith(".py") if python else
-            re.search(included, body) or test.endswith(".py") and not test.startswith("tests/postprocessing/"))}
+    eligible = lambda test: test.endswith(".py") and (python or not test.startswith("tests/postprocessing/")) or (
+        test.endswith(".c") and not python and re.search(included, tests[test]))
+    near = {test: set(re.findall(WORD, body)) for test, body in tests.items() if eligible(test) and not test.startswith(FAR)}
     common = collections.Counter(word for body in near.values() for word in body)
     score = {test: sum(1 / common[word] for word in (words if python == test.endswith(".py") else quoted) & body)
              + 3 * sum(name in test.lower() for name in names) for test, body in near.items()}
@@ -146,6 +148,9 @@ class Tree:
     def __init__(self, top, build):
         self.top, self.path, self.build = top, top / "build/mutation/tree", top / "build/mutation/tree/build"
         self.seconds, self.sound, self.objects = {}, {}, {}  # of a test; does it pass on the code as it is; object code of a file
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self.lock = open(self.path.parent / "lock", "w")
+        fcntl.flock(self.lock, fcntl.LOCK_EX)  # one run at a time; another one waits
         if self.path.is_dir():
             said("git", "-C", self.path, "checkout", "-qf", "--detach", said("git", "-C", top, "rev-parse", "HEAD").strip())
         else:
@@ -186,13 +191,12 @@ class Tree:
     def run(self, name, limit):
         """Runs a test for `limit` seconds at most: None if it passes or is skipped, or what of it failed."""
         properties = {p["name"]: p["value"] for p in self.tests[name]["properties"]}
-        env = dict(os.environ, PYTHONPATH=str(self.path / "postprocessing"), PYTHONDONTWRITEBYTECODE="1")
-        env.update(entry.split("=", 1) for entry in properties.get("ENVIRONMENT", []))
+        env = {"PYTHONPATH": str(self.path / "postprocessing"), **dict(entry.split("=", 1) for entry in properties.get("ENVIRONMENT", []))}
         command = [word if word != "tests.run" else "unittest" for word in self.tests[name]["command"]]
         command[3:3] = ["-f"] if "unittest" in command else []  # stops at the first failure
         with tempfile.TemporaryDirectory(prefix="m", ignore_cleanup_errors=True) as scratch, tempfile.TemporaryFile("w+", errors="replace") as log:
             code = subprocess.run(["timeout", "-k", "9", str(limit), *command], cwd=properties["WORKING_DIRECTORY"],
-                                  env=dict(env, TMPDIR=scratch), stdout=log, stderr=log, check=False).returncode
+                                  env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "TMPDIR": scratch, **env}, stdout=log, stderr=log, check=False).returncode
             log.seek(0)
             words = log.read()
         if code in (0, properties.get("SKIP_RETURN_CODE", 0)):
@@ -206,11 +210,10 @@ class Tree:
         header = f'"{path.removesuffix(".c")}.h"'  # a file's words are also those of files of its folder that include its header
         texts = [self.text(path), *(text for text in map(self.text, (self.path / path).parent.glob("*.c")) if header in text)]
         names = [name for source in nearest(path, "\n".join(texts), self.texts, options.tests) for name in self.names[source]]
-        names = [name for name in names if not re.search(r"mpi_.*_4$", name)]
-        return names + [name for name in self.tests if options.also and re.search(options.also, name) and name not in names]
+        return [name for name in names if not re.search(r"mpi_.*_4$", name)] + [
+            name for name in self.tests if options.also and re.search(options.also, name) and name not in names]
 
     def passes(self, path, text, name, limit):
-        """Does a test pass on the code as it is?"""
         if name not in self.sound:
             (self.path / path).write_text(text)
             self.sound[name] = self.make(name) and self.run(name, limit) is None
@@ -226,9 +229,8 @@ class Tree:
         try:
             if python:
                 compile(changed, mutant.path, "exec")
-            for name in sorted(names, key=lambda name: self.seconds.get(name) or (9 if self.source(name).endswith(".py") else 1)):
-                if not self.sound.get(name, True):
-                    continue
+            sound = [name for name in names if self.sound.get(name, True)]
+            for name in sorted(sound, key=lambda name: self.seconds.get(name, 9 if self.source(name).endswith(".py") else 1)):
                 (self.path / mutant.path).write_text(changed)
                 if not python and not self.make(name):
                     return "does not build"
@@ -238,7 +240,7 @@ class Tree:
                 self.seconds[name] = time.time() - begin
                 if failed and self.passes(mutant.path, text, name, limit):
                     return failed
-            return f"**survives** {sum(self.sound.get(name, True) for name in names)} tests"
+            return f"**survives** {sum(self.sound.get(name, True) for name in sound)} tests"
         except SyntaxError:
             return "does not build"
         finally:
@@ -251,14 +253,12 @@ class Tree:
 def reason_of(mutant, text, changed):
     """Why no test can see a mutant, if equivalent.txt says so: file, line, line of the mutant, reason, with tabs between."""
     rows = [line.split("\t") for line in (HERE / "equivalent.txt").read_text().split("\n")]
-    number = text.count("\n", 0, mutant.start)
-    wanted = [mutant.path, text.split("\n")[number].strip(), changed.split("\n")[number].strip()]
+    wanted = [mutant.path, *(lines.split("\n")[text.count("\n", 0, mutant.start)].strip() for lines in (text, changed))]
     return next((row[3] for row in rows if row[:3] == wanted), None)
 
 
 def shown(text, mutant):
-    begin = max(text.rfind("\n", 0, mutant.start) + 1, mutant.start - 24)
-    around = text[begin:mutant.start].lstrip(), text[mutant.end:mutant.end + 24].split("\n")[0].rstrip()
+    around = text[max(0, mutant.start - 24):mutant.start].split("\n")[-1].lstrip(), text[mutant.end:mutant.end + 24].split("\n")[0].rstrip()
     change = f"`{text[mutant.start:mutant.end].join(around)}` -> `{mutant.new.join(around)}`".replace("|", "\\|")
     return f"{mutant.path}:{1 + text.count(chr(10), 0, mutant.start)} | {mutant.operator}: {change}"
 
@@ -267,8 +267,7 @@ def main(words):
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, add_help=False, allow_abbrev=False)
     made.add_argument("-help", "-h", "--help", action="help", help="this text")
     for name, default, text in (("-count", 8, "so many mutants that build (8)"), ("-seed", 1, "the same seed draws the same mutants (1)"),
-                                ("-pick", "", "only the mutants of these numbers of the table, say 3,7"),
-                                ("-tests", 8, "so many test sources beside those that mirror the folder (8)"),
+                                ("-pick", "", "only these numbers of the table, say 3,7"), ("-tests", 8, "so many sources of tests beside the mirrors (8)"),
                                 ("-also", "", "further tests of CTest, a regular expression, say stress/implicit"),
                                 ("-limit", 60, "a test that takes longer has failed (60 s); one that does so without a mutant is left out")):
         made.add_argument(name, type=type(default), default=default, metavar="X", help=text)
