@@ -117,10 +117,19 @@ class WriteObjects(harness.Folder, unittest.TestCase):
             row = [float(w.strip("()")) for w in f.read().splitlines()[-1].split()]
         np.testing.assert_allclose(row[1:], [*omega.mean(axis=0), kn.mean()], rtol=1e-11, atol=1e-11)
         with open(os.path.join(at["extreme"], "fieldMinMax.dat")) as f:
-            line = next(x for x in reversed(f.read().splitlines()) if "\tvorticity\t" in x)
-        np.testing.assert_allclose(float(line.split("\t")[4]), np.linalg.norm(omega, axis=1).max(), rtol=1e-11)
+            lines = [line.split("\t") for line in f.read().splitlines() if "\tvorticity\t" in line]
+        cells = [[self.cell_at(result, line[k]) for k in (3, 5)] for line in lines]
+        length = np.linalg.norm(omega, axis=1)
+        np.testing.assert_allclose([float(lines[-1][k]) for k in (2, 4)], (length.min(), length.max()), rtol=1e-11)
+        np.testing.assert_allclose(length[cells[-1]], (length.min(), length.max()), rtol=1e-11)
         with open(os.path.join(at["spots"], "Kn")) as f:
             self.assertLess(np.abs(kn / float(f.read().split()[-1]) - 1).min(), 1e-11)
+
+    def cell_at(self, result, place):
+        """The cell whose centre is a place `(x y z)`."""
+        off = np.linalg.norm(result.centres - [float(w) for w in place.strip("()").split()], axis=1)
+        self.assertLess(off.min(), 1e-9)
+        return off.argmin()
 
     def test_checksums(self):
         """A spoilt file of theirs is found by a restart, as that of any other field."""

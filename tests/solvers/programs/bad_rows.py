@@ -296,6 +296,8 @@ DICTIONARIES = [
     Row("an object that is not there", function("writeObjects; objects (vorticty);"), "'vorticty'", "did you mean 'vorticity'?"),
     Row("objects at times of their own", function("writeObjects; objects (Ma); writeControl timeStep;"), "'writeControl'", "leave it out"),
     Row("objects that another writes", function("writeObjects; objects (Ma); } g { type writeObjects; fields (c Ma);"), "'f' writes Ma already"),
+    Row("objects that the first function writes", (CONTROL, "functions\n{", "functions\n{\n    f { type writeObjects; objects (Ma); } "
+                                                   "g { type writeObjects; objects (Ma); }"), "'f' writes Ma already", at="g { type"),
     Row("a plane of surfaces beside the mesh", function(CUT % "point (9 0 0); normal (1 0 0);"), "'point'", "does not cut the mesh"),
     Row("a plane of surfaces without direction", function(CUT % "point (0 0 0); normal (0 0 0);"), "'normal'", "has a length"),
     Row("unknown key in a plane of surfaces", function(CUT % "point (0.1 0 0); normal (1 0 0); basePoint (0 0 0);"), "'basePoint' is not used"),
