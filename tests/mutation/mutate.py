@@ -201,7 +201,7 @@ class Tree:
             words = log.read()
         if code in (0, properties.get("SKIP_RETURN_CODE", 0)):
             return None
-        found = re.findall(r"^(?:FAIL|ERROR): (\w+)|^\[  FAILED  \] (\w+)", words, re.MULTILINE) or re.findall(
+        found = re.findall(r"^(?:FAIL|ERROR): (\w+)|^\[  FAILED  \] ([a-z]\w+)", words, re.MULTILINE) or re.findall(
             r"^\[ RUN +\] (\w+)()", words, re.MULTILINE)[-1:]
         return name + (": " + "".join(found[0]) if found else "") + (" (does not end)" if code in (124, 137) else "")
 
@@ -230,7 +230,7 @@ class Tree:
             if python:
                 compile(changed, mutant.path, "exec")
             sound = [name for name in names if self.sound.get(name, True)]
-            for name in sorted(sound, key=lambda name: self.seconds.get(name, 9 if self.source(name).endswith(".py") else 1)):
+            for name in sorted(sound, key=lambda name: self.seconds.get(name, 9 if "tests.run" in self.tests[name]["command"] else 3 if name[-2:] == "_2" else 1)):
                 (self.path / mutant.path).write_text(changed)
                 if not python and not self.make(name):
                     return "does not build"
