@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 BIN = os.environ.get("HAFF_BIN", os.path.join(SOURCE, "build", "bin"))
@@ -26,6 +27,47 @@ def program(name, *arguments, ranks=1, check=True, timeout=900):
     if check and done.returncode:
         raise AssertionError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout[-2000:]}{done.stderr[-4000:]}")
     return done
+
+
+PEAK = "import os, resource, subprocess, sys; subprocess.run(sys.argv[2:], stdout=subprocess.DEVNULL, check=True); " \
+       "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=open(f'{sys.argv[1]}/{os.getpid()}', 'w'))"
+
+
+def peak(name, *arguments, ranks):
+    """Bytes of memory of the rank that takes most. Each rank writes a file of its own: mpirun may join their lines."""
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([os.path.join(BIN, "mpirun"), "-np", str(ranks), sys.executable, "-c", PEAK, folder, os.path.join(BIN, name), *arguments],
+                       check=True, capture_output=True)
+        found = [int(open(os.path.join(folder, file)).read()) for file in os.listdir(folder)]
+    assert len(found) == ranks, found
+    return 1024 * max(found)
+
+
+def processes(name, case):
+    """The processes of a program of haff that run the case."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{pid}/cmdline", "rb") as f:
+                words = f.read().decode().split("\0")
+        except OSError:
+            continue
+        if words[0] == os.path.join(BIN, name) and case in words:
+            found.append(int(pid))
+    return found
+
+
+def work(pid):
+    """Seconds of processor time that a process has taken, from its first thread."""
+    with open(f"/proc/{pid}/schedstat") as f:
+        return int(f.read().split()[0]) / 1e9
+
+
+def await_work(pids, seconds):
+    """Returns when each of the processes has computed for so long from now."""
+    begun = {pid: work(pid) for pid in pids}
+    while any(work(pid) < before + seconds for pid, before in begun.items()):
+        time.sleep(0.001)
 
 
 def copy(name, folder):

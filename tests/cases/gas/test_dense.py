@@ -126,20 +126,6 @@ class Dealt(harness.Folder, unittest.TestCase):
         harness.edit(case, "system/controlDict", endTime=end, writeInterval=0.01)
         return case
 
-    @staticmethod
-    def ranks_of(case):
-        """The processes that run the case."""
-        found = []
-        for pid in filter(str.isdigit, os.listdir("/proc")):
-            try:
-                with open(f"/proc/{pid}/cmdline", "rb") as f:
-                    words = f.read().decode().split("\0")
-            except OSError:
-                continue
-            if words[0] == GAS and case in words:
-                found.append(int(pid))
-        return found
-
     def killed(self, case, ranks):
         """Runs the case until 0.02 s are written, and kills one of its ranks in a later step."""
         run = subprocess.Popen([os.path.join(harness.BIN, "mpirun"), "-np", str(ranks), GAS, "-case", case], stdout=subprocess.PIPE,
@@ -148,7 +134,7 @@ class Dealt(harness.Folder, unittest.TestCase):
             if "written: 0.02" in line:
                 break
         time.sleep(0.05 * random.random())
-        pids = self.ranks_of(case)
+        pids = harness.processes("granularGas", case)
         self.assertEqual(len(pids), ranks)
         os.kill(random.choice(pids), signal.SIGKILL)
         run.communicate(timeout=60)

@@ -6,14 +6,11 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import unittest
 
 from tests.cases import harness, runs
 from tests.cases.runtime import test_blockMesh as meshes
 
-PEAK = "import resource, subprocess, sys; subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True); " \
-       "print('', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, '')"  # spaces: mpirun may part a line from its end
 FORMATS = {"binary": "writeFormat binary;", "ascii": "writeFormat ascii; writePrecision 17;",
            "binaryZipped": "writeFormat binary; writeCompression on;", "asciiZipped": "writeFormat ascii; writeCompression on;"}
 
@@ -181,10 +178,7 @@ class Memory(harness.Folder, unittest.TestCase):
         for n in (300, 900):
             case = meshes.Memory.square(os.path.join(self.folder, f"{form}{ranks}_{n}"), n)
             runs.add(case, "system/controlDict", f"writeFormat {form}; stopAt nextWrite; writeControl timeStep; writeInterval 2;\n")
-            command = ("mpirun", "--oversubscribe", "-np", str(ranks), sys.executable, "-c", PEAK,
-                       os.path.join(harness.BIN, "granularGas"), "-case", case)
-            peaks = [subprocess.run(command, check=True, text=True, stdout=subprocess.PIPE).stdout.split() for _ in range(2)]
-            most[n] = max(1024 * int(p) for run in peaks for p in run)
+            most[n] = max(harness.peak("granularGas", "-case", case, ranks=ranks) for _ in range(2))
         return (most[900] - most[300]) / (900**2 - 300**2)
 
     def test_it_falls_with_the_number_of_ranks(self):
