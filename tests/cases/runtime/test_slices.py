@@ -175,11 +175,11 @@ class Memory(harness.Folder, unittest.TestCase):
     def bytes_a_cell(self, ranks, form):
         """What a cell adds to the rank that takes most, over a start and a restart; 2D, without what a rank takes in any case."""
         most = {}
-        for n in (300, 900):
+        for n in (180, 540):
             case = meshes.Memory.square(os.path.join(self.folder, f"{form}{ranks}_{n}"), n)
             runs.add(case, "system/controlDict", f"writeFormat {form}; stopAt nextWrite; writeControl timeStep; writeInterval 2;\n")
             most[n] = max(harness.peak("granularGas", "-case", case, ranks=ranks) for _ in range(2))
-        return (most[900] - most[300]) / (900**2 - 300**2)
+        return (most[540] - most[180]) / (540**2 - 180**2)
 
     def test_it_falls_with_the_number_of_ranks(self):
         alone = self.bytes_a_cell(1, "binary")
