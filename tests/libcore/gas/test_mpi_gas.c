@@ -124,22 +124,34 @@ static void planar(const double x[3], double *rho, double u[3], double *T) {
     u[direction] = 2 * sin(6 * s);
 }
 
+/* Fluxes and reconstructions do not know of ranks, only of cells that are there: on several ranks each is paired with
+ * one or two of the others, on one rank with all of them. */
+static bool paired(int flux, int r) {
+    const int fewer = flux_count < reconstruct_count ? flux_count : reconstruct_count;
+    return comm_size(world) == 1 || flux % fewer == r % fewer;
+}
+
+static void run_fixed(struct gas *g) { /* with a given dt: the Courant number counts the axes */
+    for (int i = 0; i < 15; i++) {
+        struct gas_speed speed;
+        double dt = 2e-4;
+        gas_speed(g, &speed);
+        must(gas_step(g, 0, &dt, 1, 0, 0, &speed));
+    }
+}
+
 /* A planar flow has the same bits in 1D, 2D, 3D and along x, y, z, for any tiles. */
 static void one_is_two_is_three(void **state) {
     (void)state;
     for (int flux = 0; flux < flux_count; flux++)
         for (int r = 0; r < reconstruct_count; r++) {
+            if (!paired(flux, r)) continue;
             struct scene line;
             direction = 0;
             open_scene(&line, 1, (int[3]){40, 1, 1}, false, flux_table[flux].model.name,
                        reconstruct_table[r].model.name);
             start(&line, planar);
-            for (int i = 0; i < 15; i++) { /* a given dt: the Courant number counts the axes */
-                struct gas_speed speed;
-                double dt = 2e-4;
-                gas_speed(line.gas, &speed);
-                must(gas_step(line.gas, 0, &dt, 1, 0, 0, &speed));
-            }
+            run_fixed(line.gas);
             double *expected = state_of(&line);
             for (int dim = 2; dim <= 3; dim++)
                 for (direction = 0; direction < dim; direction++) {
@@ -150,12 +162,7 @@ static void one_is_two_is_three(void **state) {
                     open_scene(&s, dim, n, false, flux_table[flux].model.name, reconstruct_table[r].model.name);
                     /* the same cell size along the flow */
                     start(&s, planar);
-                    for (int i = 0; i < 15; i++) {
-                        struct gas_speed speed;
-                        double dt = 2e-4;
-                        gas_speed(s.gas, &speed);
-                        must(gas_step(s.gas, 0, &dt, 1, 0, 0, &speed));
-                    }
+                    run_fixed(s.gas);
                     double *found = state_of(&s);
                     for (int i = 0; i < s.cells; i++) {
                         int at = i / stride % 40;
@@ -185,6 +192,7 @@ static void free_stream(void **state) {
     (void)state;
     for (int flux = 0; flux < flux_count; flux++)
         for (int r = 0; r < reconstruct_count; r++) {
+            if (!paired(flux, r)) continue;
             struct scene s;
             open_scene(&s, 2, (int[3]){20, 12, 1}, true, flux_table[flux].model.name, reconstruct_table[r].model.name);
             gas_free(s.gas);
@@ -216,7 +224,7 @@ static const char *const sides_text[] = {"walls", "periodic", "open"};
 /* A pellet in a falling stream that cools; the fluxes have no rules of single faces if `plain`. */
 static void open_pellet(struct scene *s, int dim, enum sides sides, const char *flux, bool plain,
                         const char *reconstruct, bool skip) {
-    open_scene(s, dim, (int[3]){dim == 1 ? 120 : 41, 27, 9}, sides == PERIODIC, flux, reconstruct);
+    open_scene(s, dim, (int[3]){dim == 1 ? 120 : 41, dim == 2 ? 27 : 14, 9}, sides == PERIODIC, flux, reconstruct);
     gas_free(s->gas);
     for (int p = 0; p < 6 && sides == OPEN; p++) s->rules[p].velocity.type = boundary_find("zeroGradient");
     if (plain) s->models.flux_params = (struct own_params){0};
@@ -253,7 +261,7 @@ static void skipping_changes_no_bit(void **state) {
     (void)state;
     for (int flux = 0; flux < flux_count; flux++)
         for (int r = 0; r < reconstruct_count; r++)
-            for (int dim = 1; dim <= 3; dim++)
+            for (int dim = 1; dim <= 3 && paired(flux, r); dim++)
                 for (int sides = 0; sides < SIDES; sides++)
                     compare_skipping(dim, sides, flux_table[flux].model.name, false, reconstruct_table[r].model.name);
     for (int r = 0; r < reconstruct_count; r++)
