@@ -19,6 +19,7 @@ COMMANDS = {
     "./Allrun": "tests/cases/runtime/test_setup.py::test_made_once",
     "newCase myCase mesh.geo && cd myCase && ./Allrun && haffPlot .": "tests/postprocessing/start/test_newCase.py::test_readme",
     "./Alltest": "tests/cases/runtime/test_setup.py::test_tests",
+    "./Alltest -long": "tests/cases/runtime/test_setup.py::test_tests",
     "cmake --build build -j2 && ctest --test-dir build -L unit -j2": "tests/cases/runtime/test_setup.py::test_tests",
     "build/bin/haffPlot CASE [FIELD ..]": "tests/postprocessing/plot/test_commands.py::test_without_options",
     "build/bin/haffMovie CASE FIELD": "tests/postprocessing/plot/test_commands.py::test_mp4",

@@ -146,7 +146,7 @@ class Setup(unittest.TestCase):
             self.assertIn(text, done.stderr)
 
     def test_tests(self):
-        """Alltest builds what is out of date and hands its options to ctest, whose exit code it has."""
+        """Alltest builds what is out of date and hands its options to ctest, whose exit code it has; -long adds the long tests."""
         shutil.copy(os.path.join(SOURCE, "Alltest"), self.top)
         with open(os.path.join(self.top, ".ci", "setup")) as f:
             wanted = re.search(r"build_packages=.*?\n\n", f.read(), re.S).group()
@@ -155,13 +155,15 @@ class Setup(unittest.TestCase):
             script(os.path.join(fake, name), f'echo "{name} $*" >>"{self.calls}"\n')
         script(os.path.join(fake, "dpkg-query"), "echo install ok installed\n")
         script(os.path.join(fake, "ctest"), f'echo "ctest $*" >>"{self.calls}"; exit 3\n')
-        done = subprocess.run([os.path.join(self.top, "Alltest"), "-L", "unit"], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 3, done.stderr)
-        with open(self.calls) as f:
-            configured, built, tested = f.read().splitlines()
-        self.assertRegex(configured, r"^cmake -S .* -B ")
-        self.assertRegex(built, r"^cmake --build ")
-        self.assertEqual(tested, "ctest --output-on-failure --parallel 2 -L unit")
+        for words, more in (([], ""), (["-long"], "-C Long ")):
+            open(self.calls, "w").close()
+            done = subprocess.run([os.path.join(self.top, "Alltest"), *words, "-L", "unit"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 3, done.stderr)
+            with open(self.calls) as f:
+                configured, built, tested = f.read().splitlines()
+            self.assertRegex(configured, r"^cmake -S .* -B ")
+            self.assertRegex(built, r"^cmake --build ")
+            self.assertEqual(tested, f"ctest --output-on-failure --parallel 2 {more}-L unit")
 
     def test_every_case_is_whole(self):
         for name in CASES:
