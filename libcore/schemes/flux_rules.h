@@ -4,8 +4,7 @@
 #ifndef LIBCORE_FLUX_RULES_H
 #define LIBCORE_FLUX_RULES_H
 
-#include "libcore/models/kernel.h"
-#include "libcore/models/param.h"
+#include "libcore/schemes/flux.h"
 
 #include <string.h>
 
