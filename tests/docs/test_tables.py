@@ -24,15 +24,7 @@ WITHOUT = {  # page: how many of its tables stand below none of these lines. It 
     "cases/bouncingBed/README.md": 3,
     "cases/pile/README.md": 2,
     "cases/sedimentation/README.md": 4,
-    "postprocessing/reports/crossCheck.md": 22,
-    "postprocessing/reports/denseShocks.md": 11,
     "postprocessing/reports/marquinaStability.md": 4,
-    "postprocessing/reports/scaling.md": 10,
-    "postprocessing/reports/segregation.md": 1,
-    "postprocessing/reports/serna.md": 10,
-    "postprocessing/reports/shakeri.md": 6,
-    "postprocessing/reports/triangles.md": 6,
-    "postprocessing/reports/workPrecision.md": 23,
 }
 
 
