@@ -124,6 +124,18 @@ def height_of_maximum(case, field, time, least):
     return float(case.centres[cells[np.argmax(case.field(field, time)[cells])], 1])
 
 
+def channel(case, time):
+    """Velocities [cells][3] where packing exceeds 0.01, in a section across z."""
+    return case.field("U", time)[dense(case, time, 0.01)]
+
+
+def flow_along(case, field, time):
+    """Integral of packing times velocity along z over a section across z (m^3/s)."""
+    width, height, _ = np.ptp(case.mesh.points, axis=0)
+    share = case.volumes / case.volumes.sum() * width * height
+    return float(share * case.field("alpha", time) @ case.field("U", time)[:, 2])
+
+
 def column_integral(case, field, time):
     """Integral along x per cross-section of a one-dimensional case."""
     x = case.centres[:, 0]
@@ -280,6 +292,9 @@ QUANTITIES = {
     "maximum above that packing": dense_maximum,
     "height of the maximum above that packing": height_of_maximum,
     "height up to that packing": lambda case, field, time, least: float(case.centres[dense(case, time, least), 1].max()),
+    "greatest velocity along z": lambda case, field, time: float(channel(case, time)[:, 2].max()),
+    "greatest velocity across z": lambda case, field, time: float(np.hypot(*channel(case, time)[:, :2].T).max()),
+    "flow of packing along z": flow_along,
     "value off the wall": value_before,
     "position of the front": front,
     "change within a time": change_within,

@@ -109,6 +109,16 @@ class Own(unittest.TestCase):
                 self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "field": "T", "time": 3, "at": 0.02}), value, 12, quantity)
             self.assertAlmostEqual(expected.measure(case, {"quantity": "value at the floor", "field": "T", "time": 3}), 1 + 0.125 * 1.475, 12)
 
+    def test_section(self):
+        """Of a section of 0.1 x 2 m: a flow of 0.5 m/s in gas of packing 0.3, and faster gas that is too thin to count for the greatest velocity."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            y = cases.box(folder, (1, 8, 1), (0.1, 2, 0.1))[:, 1]
+            low = (y < 1)[:, None]
+            cases.fields(folder, "3", alpha=np.where(y < 1, 0.3, 0.001), U=np.where(low, [0.03, 0.04, 0.5], [3, 4, 5]))
+            case = expected.haff.Case(folder)
+            for quantity, value in (("greatest velocity along z", 0.5), ("greatest velocity across z", 0.05), ("flow of packing along z", 0.1 * (0.15 + 0.005))):
+                self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "time": 3}), value, 12, quantity)
+
     def test_asymmetry(self):
         """About the line y = 10 - x: a field that mirrors itself has none; one cell that is off by a tenth of the greatest value has that."""
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
