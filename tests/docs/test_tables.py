@@ -78,7 +78,8 @@ class Made(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="haff")
         self.addCleanup(folder.cleanup)
-        self.path, self.made = folder.name, script()
+        self.path, self.made = os.path.join(folder.name, "case"), script()
+        os.makedirs(self.path)
         entry = {"quantity": "maximum", "field": "T", "time": [1, 2], "tolerance": 0.01}
         expected.save(self.path, {"full": [{"quantity": "minimum", "field": "T", "time": 1, "value": 3, "tolerance": 1, "measured": 3.14159},
             {"quantity": "minimum", "field": "T", "time": 1, "folder": "copy", "value": 2, "tolerance": 1, "measured": 2.71828}], "variants": [
@@ -102,6 +103,9 @@ class Made(unittest.TestCase):
         self.assertEqual(self.rows({"cells": ["c", {"of": "fine", "order": "coarse", "format": "{:.1f}"}, ""]}), ["| c | -0.3 | |"], "log2(1.234/1.5)")
         self.assertEqual(self.rows({"cells": ["c"], "of": "coarse", "scale": 0.01, "format": "{:.2e}"}), ["| c | 1.23e-2 | 2.34e-2 |"])
         self.assertEqual(self.rows({"cells": ["c"], "of": "coarse"}, columns=[{"time": 1, "format": "{:.1f}"}, {"time": 2}]), ["| c | 1.2 | 2.34 |"])
+        self.assertEqual(self.rows({"cells": ["c"], "of": "case/coarse"}), ["| c | 1.23 | 2.34 |"])
+        with self.assertRaisesRegex(FileNotFoundError, "other/expected.json is not there"):
+            self.rows({"cells": ["c"], "of": "other/coarse"})
         stop = {"quantity": "last time", "format": "stops at {:.1f}"}
         self.assertEqual(self.rows({"cells": ["c"], "of": "fine"}, otherwise=stop), ["| c | 1.50 | stops at 1.6 |"])
 
