@@ -18,9 +18,9 @@ def lacking(module):
 
 
 def measured_by(command):
-    """The line that stands above a table of a report: commit of the source tree, day, command (tests/docs/test_tables.py)."""
+    """The line that stands above a table of a report: commit of the source tree, day, command."""
     said = subprocess.run(["git", "-C", TOP, "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True)
-    commit = said.stdout.strip() if said.returncode == 0 else "00000000"
+    commit = said.stdout.strip() if said.returncode == 0 else "an unknown commit"
     return f"Measured at {commit}, {datetime.date.today()}: `{command}`."
 
 
