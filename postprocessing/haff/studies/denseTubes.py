@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Riemann problems of dense gas beside their exact solutions: runs of granularGas on a line, errors, and the problems of
 denseShocks, which workPrecision shares."""
+import functools
 import os
 import re
 import subprocess
@@ -97,6 +98,7 @@ def warm(nu):
     return float(eos.p(eos.rho(nu), 1.0))
 
 
+@functools.cache  # its exact solution takes seconds
 def drifting_burst(drift=0.81, eos=None):
     """Dense gas that expands behind dilute gas, which recedes: a stiff rarefaction and a weak shock."""
     return Tube("A", (0.4005, drift, 399.0), (0.0032, drift + 0.5613, 1.0), 0.4, 0.2585, eos=eos)
@@ -119,6 +121,10 @@ def contact(end, eos=None):
     return Tube("J", (0.6, 0.7, 1e4), (0.0006, 0.7, 1e4), 0.4, end, eos=eos)
 
 
+def sod():
+    return Tube("Sod", (1.0, 0.0, 1.0), (0.125, 0.0, 0.1), 0.5, 0.2, eos=PerfectGas(1.4))
+
+
 def others():
     mach = lambda nu, m: m * sound(nu, warm(nu))
     yield Tube("I: Mach 14 \\| -5, nu 0.3 \\| 0.5", (0.3, mach(0.3, 14), warm(0.3)), (0.5, mach(0.5, -5), warm(0.5)), 0.5, ways=(0.32, 0.32))
@@ -127,7 +133,7 @@ def others():
     yield Tube("parting at Mach 0.7, nu 0.1", (0.1, -0.7 * sound(0.1, 1), 1.0), (0.1, 0.7 * sound(0.1, 1), 1.0), 0.5, ways=(0.4, 0.4))
     yield Tube("parting at Mach 0.5, nu 0.4", (0.4, -0.5 * sound(0.4, 1), 1.0), (0.4, 0.5 * sound(0.4, 1), 1.0), 0.5, ways=(0.4, 0.4))
     yield Tube("Mach 5 flow, p 2", (0.1, 5 * sound(0.1, 2), 2.0), (0.02, 5 * sound(0.1, 2), 1.0), 0.2, 0.5 / (6 * sound(0.1, 2)))
-    yield Tube("Sod", (1.0, 0.0, 1.0), (0.125, 0.0, 0.1), 0.5, 0.2, eos=PerfectGas(1.4))
+    yield sod()
 
 
 class Cooled(Tube):
