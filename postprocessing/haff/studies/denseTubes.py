@@ -117,6 +117,7 @@ def head_on(nu=0.1, mach=15.8, eos=GoldshteinShapiro(1.0)):
     return Tube("B", (nu, u, p), (nu, -u, p), 0.5, ways=(0.4, 0.4), eos=eos)
 
 
+@functools.cache
 def contact(end, eos=None):
     return Tube("J", (0.6, 0.7, 1e4), (0.0006, 0.7, 1e4), 0.4, end, eos=eos)
 
