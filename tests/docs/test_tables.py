@@ -22,7 +22,6 @@ STANDS_BELOW = (
 WHOLE = {"postprocessing/reports/stress.md": "tests/stress/report.py", "postprocessing/reports/faults.md": "tests/faults/table"}  # page: what writes all of it
 WITHOUT = {  # page: how many of its tables stand below none of these lines. It may only shrink.
     "cases/pile/README.md": 2,
-    "postprocessing/reports/marquinaStability.md": 4,
 }
 
 
