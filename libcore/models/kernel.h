@@ -31,11 +31,14 @@ enum {
 #define ALIGNED       _Alignas(64) /* of lines: a vector then lies in one line of the cache */
 
 /* Stands before a loop over lines that do not overlap. Compilers else compare the addresses of all lines that a loop
- * reads and writes before they enter it, and of more than some ten they make no vectors at all. */
+ * reads and writes before they enter it, and of more than some ten they make no vectors at all. UNROLL stands before
+ * a loop of few turns inside of such a loop: gcc makes vectors of no loop that holds another. */
 #ifdef __clang__
 #define EACH_ALONE _Pragma("clang loop vectorize(assume_safety)")
+#define UNROLL     _Pragma("clang loop unroll(full)")
 #else
 #define EACH_ALONE _Pragma("GCC ivdep")
+#define UNROLL     _Pragma("GCC unroll 8")
 #endif
 
 static inline double select_double(bool condition, double yes, double no) {

@@ -1,99 +1,153 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Characteristic upwinding (docs/physics.md 6.2): projects the stencils of faces on eigenbases and reconstructs field
- * by field from the upwind side. With s and d (halves of the sound, see project) in the cells of the stencils, which
- * stay in the cache, each field is a factor of the face times one line plus another: no loop here knows a
- * reconstruction, and none of a reconstruction knows the dimension. */
+/* Characteristic upwinding (docs/physics.md 6.2). A kernel projects the stencils of faces on eigenbases and writes them
+ * as columns, with their cells in upwind order: one column for each field of each face, and a second one for fields
+ * that faces split. One loop of the reconstruction then runs over all columns of a batch: no loop here knows a
+ * reconstruction, and none of a reconstruction knows the dimension or from which side a field comes. */
 #include "libcore/schemes/flux_private.h"
 
-enum { CELLS = 6, LEFT = 2 }; /* cells of a stencil; place of the left one */
-static const ALIGNED double ones[BATCH] = {
-#define EIGHT 1, 1, 1, 1, 1, 1, 1, 1
-    EIGHT, EIGHT, EIGHT, EIGHT, EIGHT,
-    EIGHT, EIGHT, EIGHT
-#undef EIGHT
+enum {
+    CELLS = 6,             /* of a stencil; a reconstruction reads the five on the upwind side */
+    LEFT = 2,              /* place of the left one */
+    NEXT = COLUMNS + BATCH /* from one cell of a column to the next one */
+};
+struct stencils { /* the columns of a batch; nobody reads the last BATCH ones */
+    ALIGNED double cell[CELLS][NEXT];
 };
 
-struct sound { /* s and d in the cells of stencils */
-    ALIGNED double s[CELLS][BATCH], d[CELLS][BATCH];
-};
-
-struct rest { /* the lines of struct faces that hold the pressure of gas at rest */
-    const double *left, *right, *rise, *on;
-    long stride;
-};
-ALWAYS_INLINE struct rest rest_of(const struct faces *f) {
-    return (struct rest){f->base[0], f->base[1], f->rise, f->on, f->stride};
-}
-/* Sets P to this pressure in the cells of the stencil of face i. Where `on` is 0 or 1 the products are exact. */
-ALWAYS_INLINE void rest_at(const struct rest *r, int i, double P[CELLS]) {
-    const long s = r->stride;
-    P[2] = r->left[i];
-    P[1] = fma(-r->on[i], r->rise[i - s], P[2]);
-    P[0] = fma(-r->on[i], r->rise[i - 2 * s], P[1]);
-    P[3] = r->right[i];
-    P[4] = fma(r->on[i], r->rise[i + s], P[3]);
-    P[5] = fma(r->on[i], r->rise[i + 2 * s], P[4]);
-}
-
-/* Projects `cells` cells of the stencils of faces; calm: without the pressure of gas at rest. */
-ALWAYS_INLINE void sounds_dim(const int dim, const int cells, const bool calm, int from, int to, const struct faces *f,
-                              const struct bases *restrict b, const double *const q[MAX_VAR],
-                              struct sound *restrict out) {
-    const int first = LEFT + 1 - cells / 2;
-    const double *q0 = q[0], *qn = q[1], *q2 = dim > 1 ? q[2] : q0, *q3 = dim > 2 ? q[3] : q0, *E = q[dim + 1];
-    const struct rest rest = rest_of(f);
-    const long stride = f->stride;
-    EACH_ALONE
-    for (int i = from; i < to; i++) {
-        const double u0 = b->u[0][i], u1 = dim > 1 ? b->u[1][i] : 0, u2 = dim > 2 ? b->u[2][i] : 0;
-        const double half_b1 = b->half_b1[i], half_b2 = b->half_b2[i];
-        double P[CELLS] = {0};
-        if (calm) rest_at(&rest, i, P);
-        for (int k = first; k < first + cells; k++) {
-            const long m = i + (k - LEFT) * stride;
-            const double momentum = qn[m] - P[k];
-            double work = fma(u0, momentum, -E[m]);
-            if (dim == 2) work += u1 * q2[m];
-            if (dim == 3) work += u1 * q2[m] + u2 * q3[m];
-            out->s[k][i] = fma(half_b2, q0[m], -(half_b1 * work));
-            out->d[k][i] = fma(-u0, q0[m], momentum);
-        }
-    }
-}
-
-#define SOUNDS(name, cells, calm)                                                                                      \
-    KERNEL static void name(int from, int to, const struct faces *f, const struct bases *restrict b,                   \
-                            const double *const q[MAX_VAR], struct sound *restrict out) {                              \
-        if (f->dim == 1) sounds_dim(1, cells, calm, from, to, f, b, q, out);                                           \
-        if (f->dim == 2) sounds_dim(2, cells, calm, from, to, f, b, q, out);                                           \
-        if (f->dim == 3) sounds_dim(3, cells, calm, from, to, f, b, q, out);                                           \
-    }
-SOUNDS(sounds_two, 2, false)
-SOUNDS(sounds_four, 4, false)
-SOUNDS(sounds_six, 6, false)
-SOUNDS(calm_two, 2, true)
-SOUNDS(calm_four, 4, true)
-SOUNDS(calm_six, 6, true)
-
+/* Where `on` is 0 or 1 the products are exact. */
 KERNEL static void take_rest(const struct faces *f, const double *q, double (*restrict out)[BATCH]) {
-    const struct rest rest = rest_of(f);
+    const double *left = f->base[0], *right = f->base[1], *rise = f->rise, *on = f->on;
+    const long s = f->stride;
     EACH_ALONE
     for (int i = 0; i < f->n; i++) {
-        double P[CELLS];
-        rest_at(&rest, i, P);
-        for (int k = 0; k < CELLS; k++) out[k][i] = q[i + (k - LEFT) * rest.stride] - P[k];
+        const double one = fma(-on[i], rise[i - s], left[i]), four = fma(on[i], rise[i + s], right[i]);
+        out[0][i] = q[i - 2 * s] - fma(-on[i], rise[i - 2 * s], one);
+        out[1][i] = q[i - s] - one;
+        out[2][i] = q[i] - left[i];
+        out[3][i] = q[i + s] - right[i];
+        out[4][i] = q[i + 2 * s] - four;
+        out[5][i] = q[i + 3 * s] - fma(on[i], rise[i + 2 * s], four);
     }
 }
 void faces_take_rest(const struct faces *f, const double *q, double (*out)[BATCH]) {
     take_rest(f, q, out);
 }
 
-struct projection { /* of the fluxes or states of faces of a batch on a basis */
-    const struct faces *f;
-    const double *const *q;
-    const struct bases *b;
-    struct sound sound;
+struct cells { /* fluxes or states: as in struct faces, but the normal component has a stride of its own */
+    const double *q[MAX_VAR];
+    long stride, normal_stride;
 };
+struct task { /* n faces of a batch from face `at` on, and the columns of their fields */
+    int at, n, dim;
+    struct cells flux, state;
+    const struct bases *b[2]; /* of the left and of the right side */
+    const struct winds *w;
+    double *first[MAX_VAR], *second[MAX_VAR]; /* cell 0; second: of the part from the right */
+};
+
+ALWAYS_INLINE struct fields cell_of(const int dim, const struct rows l, const struct cells *c, int i, int k) {
+    return project(dim, l, c->q, i + (k - LEFT) * c->stride, c->q[1][i + (k - LEFT) * c->normal_stride]);
+}
+ALWAYS_INLINE double field_of(const int dim, const struct fields f, int v) {
+    return v == 0 ? f.minus : v == dim + 1 ? f.plus : v == 1 ? f.entropy : f.shear[v - 2];
+}
+ALWAYS_INLINE int family_of(const int dim, int field) {
+    return field == 0 ? MINUS : field == dim + 1 ? PLUS : ENTROPY;
+}
+
+struct wind { /* of a field q, u that of the states: part q +- alpha u comes from the left and from the right */
+    double part, alpha;
+    bool right; /* does all of it come from the right? */
+};
+ALWAYS_INLINE struct wind wind_at(double speed) {
+    return (struct wind){speed >= 0 ? 0.5 : 1, speed >= 0 ? 0.5 * speed : 0, speed == UPWIND_RIGHT};
+}
+
+/* Writes one cell of the columns of a face: q[0] and u[0] if the field comes from the left, q[1] and u[1] if from the
+ * right. */
+ALWAYS_INLINE void put(const int dim, const bool split, const struct wind w[FAMILIES], const struct fields q[2],
+                       const struct fields u[2], double *const *first, double *const *second, long at) {
+    UNROLL
+    for (int v = 0; v < dim + 2; v++) {
+        const struct wind x = w[family_of(dim, v)];
+        double left = field_of(dim, q[0], v), right = field_of(dim, q[1], v);
+        if (split) {
+            left = fma(x.alpha, field_of(dim, u[0], v), x.part * left);
+            right = fma(-x.alpha, field_of(dim, u[1], v), x.part * right);
+            second[v][at] = right;
+        }
+        first[v][at] = x.right ? right : left;
+    }
+}
+
+/* Writes cells from .. from + pairs - 1 <= LEFT of the columns, and their mirror images. split: some faces split
+ * fields; two: the bases of both sides differ. */
+ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const bool two, const struct task *t,
+                         const int from) {
+    const struct cells flux = t->flux, state = t->state;
+    const struct bases *lb = t->b[0], *rb = t->b[1];
+    const int at = t->at, n = t->n;
+    const double *minus = t->w->speed[MINUS] + at, *entropy = t->w->speed[ENTROPY] + at, *plus = t->w->speed[PLUS] + at;
+    double *first[MAX_VAR], *second[MAX_VAR]; /* copies, which no store can change */
+    for (int v = 0; v < dim + 2; v++) {
+        first[v] = t->first[v];
+        second[v] = t->second[v];
+    }
+    EACH_ALONE
+    for (int i = 0; i < n; i++) {
+        const int j = at + i;
+        const struct rows l = rows_at(dim, lb, j), r = two ? rows_at(dim, rb, j) : l;
+        const struct wind w[FAMILIES] = {wind_at(minus[i]), wind_at(entropy[i]), wind_at(plus[i])};
+        UNROLL
+        for (int pair = 0; pair < pairs; pair++) {
+            const int k = from + pair, m = CELLS - 1 - k;
+            struct fields q[4] = {cell_of(dim, l, &flux, j, k), cell_of(dim, r, &flux, j, m)}, u[4];
+            q[2] = two ? cell_of(dim, l, &flux, j, m) : q[1];
+            q[3] = two ? cell_of(dim, r, &flux, j, k) : q[0];
+            if (split) {
+                u[0] = cell_of(dim, l, &state, j, k);
+                u[1] = cell_of(dim, r, &state, j, m);
+                u[2] = two ? cell_of(dim, l, &state, j, m) : u[1];
+                u[3] = two ? cell_of(dim, r, &state, j, k) : u[0];
+            }
+            put(dim, split, w, q, u, first, second, i + k * (long)NEXT);
+            if (pair > 0 || pairs == 1) put(dim, split, w, q + 2, u + 2, first, second, i + m * (long)NEXT);
+        }
+    }
+}
+
+/* A kernel for all cells that a reconstruction of some reach needs; on two bases one for cell k and its mirror image,
+ * as these are rarer, and the compiler's time grows with the cells. */
+#define ORDER(name, pairs, split, two, from)                                                                           \
+    KERNEL static void name(const struct task *t, int k) {                                                             \
+        (void)k;                                                                                                       \
+        if (t->dim == 1) order(1, pairs, split, two, t, from);                                                         \
+        if (t->dim == 2) order(2, pairs, split, two, t, from);                                                         \
+        if (t->dim == 3) order(3, pairs, split, two, t, from);                                                         \
+    }
+ORDER(upwind_two, 1, false, false, LEFT)
+ORDER(upwind_four, 2, false, false, LEFT - 1)
+ORDER(upwind_six, 3, false, false, LEFT - 2)
+ORDER(split_two, 1, true, false, LEFT)
+ORDER(split_four, 2, true, false, LEFT - 1)
+ORDER(split_six, 3, true, false, LEFT - 2)
+ORDER(apart_upwind, 1, false, true, k)
+ORDER(apart_split, 1, true, true, k)
+
+/* The sum of both parts. */
+KERNEL static void add_second(int n, const double *restrict speed, const double *restrict second, double *restrict a) {
+    for (int i = 0; i < n; i++) a[i] += speed[i] >= 0 ? second[i] : 0;
+}
+/* The parts of both sides; second: not read where no face splits the field. */
+KERNEL static void part_sides(int n, const double *restrict speed, const double *second, double *left, double *right) {
+    EACH_ALONE
+    for (int i = 0; i < n; i++) {
+        const uint64_t from_right = is(speed[i] == UPWIND_RIGHT), split = is(speed[i] >= 0);
+        const double value = left[i];
+        right[i] = select_masked(from_right, value, select_masked(split, second[i], 0));
+        left[i] = select_masked(from_right, 0, value);
+    }
+}
 
 /* The end of the run of groups that starts at face `from` and is alike in the bits `same` of their kinds. */
 static int run_end(int to, const int *kind, int same, int from) {
@@ -102,109 +156,94 @@ static int run_end(int to, const int *kind, int same, int from) {
     return end < to ? end : to;
 }
 
-/* Projects the faces from .. to - 1; calm: without the pressure of gas at rest. project_groups leaves out the groups
- * whose kinds have none of `bits`. */
-static void project_faces(const struct reconstruct *r, const struct faces *f, const double *const *q, bool calm,
-                          const struct bases *b, int from, int to, struct projection *p) {
-    static void (*const sounds[2][3])(int, int, const struct faces *, const struct bases *restrict,
-                                      const double *const *, struct sound *restrict) = {
-        {sounds_two, sounds_four, sounds_six}, {calm_two, calm_four, calm_six}};
-    p->f = f;
-    p->q = q;
-    p->b = b;
-    sounds[calm && f->rise][r->reach](from, to, f, b, q, &p->sound);
-}
-static void project_groups(const struct reconstruct *r, const struct faces *f, const double *const *q, bool calm,
-                           const struct bases *b, int from, int to, const int *kind, int bits, struct projection *p) {
-    for (int at = from, end; at < to; at = end) {
-        for (end = at; end < to && kind[end / GROUP] & bits;) end += GROUP;
-        end = end < to ? end : to;
-        if (at < end)
-            project_faces(r, f, q, calm, b, at, end, p);
-        else
-            end = at + GROUP;
+/* Writes the columns of a run of faces of one kind, the first of n faces being `from`, and the second columns from
+ * column `next` on; returns the column behind them. */
+static int order_run(const struct reconstruct *r, int kind, int from, int n, struct task *t, struct stencils *x,
+                     int next) {
+    static void (*const one[2][3])(const struct task *, int) = {{upwind_two, upwind_four, upwind_six},
+                                                                {split_two, split_four, split_six}};
+    const bool splits = kind & SPLITS;
+    for (int v = 0; v < t->dim + 2; v++) {
+        const bool split = kind & 1 << family_of(t->dim, v);
+        t->first[v] = x->cell[0] + v * n + t->at - from;
+        t->second[v] = x->cell[0] + (split ? next : COLUMNS);
+        next += split ? t->n : 0;
     }
+    if (t->b[0] == t->b[1])
+        one[splits][r->reach](t, 0);
+    else
+        for (int k = LEFT - r->reach; k <= LEFT; k++) (splits ? apart_split : apart_upwind)(t, k);
+    return next;
 }
 
-static int family_of(const struct faces *f, int field) {
-    return field == 0 ? MINUS : field == f->dim + 1 ? PLUS : ENTROPY;
+static struct task task_of(const struct faces *f, const struct winds *w, double (*momentum)[BATCH]) {
+    struct task t = {.dim = f->dim, .flux = {.stride = f->stride, .normal_stride = f->stride}, .w = w};
+    memcpy(t.flux.q, f->flux, sizeof t.flux.q);
+    t.state = t.flux;
+    memcpy(t.state.q, f->state, sizeof t.state.q);
+    if (f->rise) {
+        take_rest(f, f->flux[1], momentum);
+        t.flux.q[1] = momentum[LEFT];
+        t.flux.normal_stride = BATCH;
+    }
+    return t;
 }
 
-/* Field v of a projection from face `at` on. */
-static struct projected field_at(const struct projection *p, int v, int at) {
-    const double *s = p->sound.s[LEFT] + at, *d = p->sound.d[LEFT] + at, *q0 = p->q[0] + at;
-    const double *inverse_c = p->b->half_inverse_c + at;
-    const long stride = p->f->stride;
-    if (v == 0) return (struct projected){-1, inverse_c, d, s, BATCH, BATCH};
-    if (v == 1) return (struct projected){-2, ones, s, q0, BATCH, stride};
-    if (v == p->f->dim + 1) return (struct projected){1, inverse_c, d, s, BATCH, BATCH};
-    return (struct projected){-1, p->b->u[v - 1] + at, q0, p->q[v] + at, stride, stride};
-}
-static struct projected mirrored(struct projected f) {
-    return (struct projected){f.scale, f.factor, f.x + f.x_stride, f.y + f.y_stride, -f.x_stride, -f.y_stride};
+static void reconstruct_columns(const struct reconstruct *r, int columns, const struct stencils *x, double *a) {
+    const double *line[CELLS];
+    for (int k = 0; k < CELLS; k++) line[k] = x->cell[k];
+    r->face(columns, line, a);
 }
 
 void characteristic_common(const struct reconstruct *r, int from, int to, const int *kind, const struct faces *f,
-                           const struct bases *b, const struct winds *w, double (*a)[BATCH]) {
-    struct projection flux, state;
-    project_faces(r, f, f->flux, true, b, from, to, &flux);
-    project_groups(r, f, f->state, false, b, from, to, kind, SPLITS, &state);
-    for (int v = 0; v < f->dim + 2; v++) {
-        const int family = family_of(f, v), split = 1 << family;
-        for (int at = from, end; at < to; at = end) {
-            end = run_end(to, kind, split, at);
-            const struct projected q = field_at(&flux, v, at);
-            if (kind[at / GROUP] & split) {
-                const struct projected u = field_at(&state, v, at);
-                r->split(end - at, w->speed[family] + at, &q, &u, a[v] + at);
-            } else
-                r->upwind(end - at, w->speed[family] + at, &q, a[v] + at);
+                           const struct bases *b, const struct winds *w, double *a) {
+    const int n = to - from, first = (f->dim + 2) * n;
+    int columns = first;
+    struct stencils x;
+    ALIGNED double momentum[CELLS][BATCH];
+    struct task t = task_of(f, w, momentum);
+    t.b[0] = t.b[1] = b;
+    for (t.at = from; t.at < to; t.at += t.n) {
+        t.n = run_end(to, kind, SPLITS, t.at) - t.at;
+        columns = order_run(r, kind[t.at / GROUP], from, n, &t, &x, columns);
+    }
+    reconstruct_columns(r, columns, &x, a);
+    const double *second = a + first;
+    for (int at = from, end; at < to; at = end) {
+        end = run_end(to, kind, SPLITS, at);
+        for (int v = 0; v < f->dim + 2; v++) {
+            const int family = family_of(f->dim, v);
+            if (!(kind[at / GROUP] & 1 << family)) continue;
+            add_second(end - at, w->speed[family] + at, second, a + v * n + at - from);
+            second += end - at;
         }
     }
-}
-
-/* The part of a field that comes from one side s: 0 left, 1 right. */
-static void fill_side(const struct reconstruct *r, const struct projection *flux, const struct projection *state, int s,
-                      int v, const double *speed, int from, int to, double *a) {
-    struct projected q = field_at(flux, v, from), u = field_at(state, v, from);
-    if (s) {
-        q = mirrored(q);
-        u = mirrored(u);
-    }
-    r->sided(to - from, speed + from, s ? -1 : 1, &q, &u, a + from);
 }
 
 void characteristic_apart(const struct reconstruct *r, const int *kind, const struct faces *f, const struct bases *b,
-                          const struct winds *w, double (*a[2])[BATCH]) {
-    struct projection flux[2], state[2];
-    for (int s = 0; s < 2; s++) {
-        const int used = SPLITS | MIXED | (s ? ALL_RIGHT : ALL_LEFT);
-        project_groups(r, f, f->flux, true, &b[s], 0, f->n, kind, used, &flux[s]);
-        project_groups(r, f, f->state, false, &b[s], 0, f->n, kind, SPLITS, &state[s]);
+                          const struct winds *w, double *left, double *right) {
+    const int n = f->n, first = (f->dim + 2) * n, one_side = ALL_LEFT | ALL_RIGHT, same = SPLITS | one_side;
+    int columns = first;
+    struct stencils x;
+    ALIGNED double momentum[CELLS][BATCH];
+    struct task t = task_of(f, w, momentum);
+    for (t.at = 0; t.at < n; t.at += t.n) {
+        const int now = kind[t.at / GROUP];
+        t.n = run_end(n, kind, same, t.at) - t.at;
+        t.b[0] = &b[now & ALL_RIGHT ? 1 : 0];
+        t.b[1] = &b[now & ALL_LEFT ? 0 : 1];
+        columns = order_run(r, now, 0, n, &t, &x, columns);
     }
-    for (int v = 0; v < f->dim + 2; v++) {
-        const int family = family_of(f, v), split = 1 << family;
-        const double *speed = w->speed[family];
-        for (int at = 0, end; at < f->n; at = end) {
-            const int now = kind[at / GROUP], n = (end = run_end(f->n, kind, split | ALL_LEFT | ALL_RIGHT, at)) - at;
-            if (now & split) {
-                for (int s = 0; s < 2; s++) fill_side(r, &flux[s], &state[s], s, v, speed, at, end, a[s][v]);
-            } else if (now & (ALL_LEFT | ALL_RIGHT)) {
-                const int s = now & ALL_RIGHT ? 1 : 0;
-                const struct projected q = field_at(&flux[s], v, at);
-                r->upwind(n, speed + at, &q, a[s][v] + at);
-            } else {
-                const struct projected q[2] = {field_at(&flux[0], v, at), field_at(&flux[1], v, at)};
-                r->apart(n, speed + at, q, a[0][v] + at, a[1][v] + at);
-            }
+    reconstruct_columns(r, columns, &x, left);
+    const double *second = left + first;
+    for (int at = 0, end; at < n; at = end) {
+        const int now = kind[at / GROUP];
+        end = run_end(n, kind, same, at);
+        for (int v = 0; v < f->dim + 2 && !(now & one_side); v++) {
+            const int family = family_of(f->dim, v), place = v * n + at;
+            const bool split = now & 1 << family;
+            part_sides(end - at, w->speed[family] + at, split ? second : left + place, left + place, right + place);
+            second += split ? end - at : 0;
         }
     }
-}
-
-void characteristic_sided(const struct reconstruct *r, const struct faces *f, const struct bases *b,
-                          const struct winds *w, int s, double (*a)[BATCH]) {
-    struct projection flux, state;
-    project_faces(r, f, f->flux, true, b, 0, f->n, &flux);
-    project_faces(r, f, f->state, false, b, 0, f->n, &state);
-    for (int v = 0; v < f->dim + 2; v++) fill_side(r, &flux, &state, s, v, w->speed[family_of(f, v)], 0, f->n, a[v]);
 }

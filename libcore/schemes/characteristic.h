@@ -25,6 +25,10 @@ struct bases { /* eigenbases of faces, as lines; b1 and b2 (docs/physics.md 6.1)
     ALIGNED double u[MAX_DIM][BATCH], c[BATCH], h[BATCH], half_b1[BATCH], half_b2[BATCH], half_inverse_c[BATCH];
     double inverse_b1[BATCH];
 };
+/* The speed of a field at a face: from which side it comes, or the speed alpha >= 0 of a Lax-Friedrichs split. */
+#define UPWIND_LEFT  (-1.)
+#define UPWIND_RIGHT (-2.)
+
 struct winds { /* per family: UPWIND_LEFT, UPWIND_RIGHT, or the speed alpha >= 0 of a Lax-Friedrichs split */
     ALIGNED double speed[FAMILIES][BATCH];
 };
@@ -65,16 +69,15 @@ ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const do
  * stencils. */
 void faces_take_rest(const struct faces *f, const double *q, double (*out)[BATCH]);
 
-/* Compute amplitudes a[field] of the nodal fluxes of faces, reconstructed by r; kind: of each group of faces. On one
- * basis a face: */
+/* Compute amplitudes of the nodal fluxes of faces, reconstructed by r; kind: of each group of faces. That of field v at
+ * face i stands at v n + i in arrays of COLUMNS numbers, n faces in all. Of the faces from .. to - 1, on one basis a
+ * face: */
+enum { COLUMNS = 2 * MAX_VAR * BATCH };
 void characteristic_common(const struct reconstruct *r, int from, int to, const int *kind, const struct faces *f,
-                           const struct bases *b, const struct winds *w, double (*a)[BATCH]);
-/* On two bases, b[0] of the left and b[1] of the right, the parts a[0] and a[1] that come from these sides; where all
- * fields of a group come from one side, the part of that side alone. */
+                           const struct bases *b, const struct winds *w, double *a);
+/* On two bases, b[0] of the left and b[1] of the right, the parts that come from these sides; where all fields of a
+ * group come from one side, `left` holds them, whichever side it is. */
 void characteristic_apart(const struct reconstruct *r, const int *kind, const struct faces *f, const struct bases *b,
-                          const struct winds *w, double (*a[2])[BATCH]);
-/* The part that comes from one side (0: left, 1: right) of all faces, on its basis. */
-void characteristic_sided(const struct reconstruct *r, const struct faces *f, const struct bases *b,
-                          const struct winds *w, int side, double (*a)[BATCH]);
+                          const struct winds *w, double *left, double *right);
 
 #endif

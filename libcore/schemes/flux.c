@@ -136,20 +136,23 @@ KERNEL static void common_bases(const struct faces *f, const struct winds *restr
     if (f->dim == 3) common_bases_dim(3, f, w, b);
 }
 
-/* Projects back: F = sum over the fields of amplitude times column of R, added to `out` if `add`. */
-ALWAYS_INLINE void back(const int dim, int from, int to, const struct bases *restrict b, double (*restrict a)[BATCH],
-                        const bool add, double *const out[MAX_VAR]) {
+/* Projects back: F = sum over the fields of amplitude times column of R, added to `out` if `add`. n: of the amplitudes'
+ * faces. */
+ALWAYS_INLINE void back(const int dim, int from, int to, const struct bases *restrict b, int n,
+                        const double *restrict a, const bool add, double *const out[MAX_VAR]) {
+    const double *restrict minus = a, *restrict entropy = a + n, *restrict plus = a + (dim + 1) * n;
+    const double *restrict shear = a + 2 * n, *restrict other = a + 3 * n;
     double *restrict f0 = out[0], *restrict fn = out[1], *restrict fe = out[dim + 1];
     double *restrict f2 = dim > 1 ? out[2] : f0, *restrict f3 = dim > 2 ? out[3] : f0;
     EACH_ALONE
     for (int i = from; i < to; i++) {
-        double sum = a[0][i] + a[dim + 1][i] + a[1][i], swing = b->c[i] * (a[dim + 1][i] - a[0][i]), t = 0;
+        double sum = minus[i] + plus[i] + entropy[i], swing = b->c[i] * (plus[i] - minus[i]), t = 0;
         double u0 = b->u[0][i], u1 = dim > 1 ? b->u[1][i] : 0, u2 = dim > 2 ? b->u[2][i] : 0;
-        if (dim == 2) t = u1 * a[2][i];
-        if (dim == 3) t = u1 * a[2][i] + u2 * a[3][i];
-        double re = fma(b->h[i], sum, -(b->inverse_b1[i] * a[1][i])) + fma(u0, swing, t);
-        double rn = fma(u0, sum, swing), r2 = dim > 1 ? fma(u1, sum, a[2][i]) : 0;
-        double r3 = dim > 2 ? fma(u2, sum, a[3][i]) : 0;
+        if (dim == 2) t = u1 * shear[i];
+        if (dim == 3) t = u1 * shear[i] + u2 * other[i];
+        double re = fma(b->h[i], sum, -(b->inverse_b1[i] * entropy[i])) + fma(u0, swing, t);
+        double rn = fma(u0, sum, swing), r2 = dim > 1 ? fma(u1, sum, shear[i]) : 0;
+        double r3 = dim > 2 ? fma(u2, sum, other[i]) : 0;
         f0[i] = add ? f0[i] + sum : sum;
         fn[i] = add ? fn[i] + rn : rn;
         if (dim > 1) f2[i] = add ? f2[i] + r2 : r2;
@@ -158,22 +161,22 @@ ALWAYS_INLINE void back(const int dim, int from, int to, const struct bases *res
     }
 }
 
-KERNEL static void project_back(int dim, int from, int to, const struct bases *restrict b, double (*restrict a)[BATCH],
-                                bool add, double *const out[MAX_VAR]) {
-    if (dim == 1 && !add) back(1, from, to, b, a, false, out);
-    if (dim == 2 && !add) back(2, from, to, b, a, false, out);
-    if (dim == 3 && !add) back(3, from, to, b, a, false, out);
-    if (dim == 1 && add) back(1, from, to, b, a, true, out);
-    if (dim == 2 && add) back(2, from, to, b, a, true, out);
-    if (dim == 3 && add) back(3, from, to, b, a, true, out);
+KERNEL static void project_back(int dim, int from, int to, const struct bases *restrict b, int n,
+                                const double *restrict a, bool add, double *const out[MAX_VAR]) {
+    if (dim == 1 && !add) back(1, from, to, b, n, a, false, out);
+    if (dim == 2 && !add) back(2, from, to, b, n, a, false, out);
+    if (dim == 3 && !add) back(3, from, to, b, n, a, false, out);
+    if (dim == 1 && add) back(1, from, to, b, n, a, true, out);
+    if (dim == 2 && add) back(2, from, to, b, n, a, true, out);
+    if (dim == 3 && add) back(3, from, to, b, n, a, true, out);
 }
 
 /* Splits the entropy of the faces of shocks with max(|u| + c), by PHM (if the user's reconstruction is not of first
- * order): the amplitude a[ENTROPY] of the other fields' run. */
+ * order), in the amplitudes a of the other fields' run. */
 static void calm_shocks(int from, int to, const struct faces *f, const struct bases *b, const struct winds *w,
-                        const double *shock, const struct reconstruct *r, double (*a)[BATCH]) {
+                        const double *shock, const struct reconstruct *r, double *a) {
     struct winds fast = *w;
-    double calm[MAX_VAR][BATCH];
+    double calm[COLUMNS], *entropy = a + f->n, *split = calm + (to - from);
     int kind[BATCH / GROUP];
     for (int k = 0; k < BATCH / GROUP; k++) kind[k] = SPLIT_ENTROPY;
     for (int i = from; i < to; i++) {
@@ -182,21 +185,21 @@ static void calm_shocks(int from, int to, const struct faces *f, const struct ba
         fast.speed[ENTROPY][i] = shock[i] > 0 ? most : w->speed[ENTROPY][i];
     }
     characteristic_common(r->reach > 0 ? reconstruct_find("PHM") : r, from, to, kind, f, b, &fast, calm);
-    for (int i = from; i < to; i++) a[ENTROPY][i] = shock[i] > 0 ? calm[ENTROPY][i] : a[ENTROPY][i];
+    for (int i = from; i < to; i++) entropy[i] = shock[i] > 0 ? split[i - from] : entropy[i];
 }
 
 /* rules: NULL where the flux has none. */
 static void one_basis(const struct faces *f, const struct reconstruct *r, const struct winds *w,
                       const struct rules *rules) {
     struct bases b;
-    ALIGNED double a[MAX_VAR][BATCH];
+    ALIGNED double a[COLUMNS];
     int kind[BATCH / GROUP];
     common_bases(f, w, &b);
     find_kinds(f->n, w, SPLITS, kind);
     characteristic_common(r, 0, f->n, kind, f, &b, w, a);
     if (rules && rules->shocks.from < rules->shocks.to)
         calm_shocks(rules->shocks.from, rules->shocks.to, f, &b, w, rules->shock, r, a);
-    project_back(f->dim, 0, f->n, &b, a, false, f->out);
+    project_back(f->dim, 0, f->n, &b, f->n, a, false, f->out);
 }
 
 static void winds_of_cells(const struct faces *f, bool always, double least, struct winds *w) {
@@ -323,13 +326,14 @@ KERNEL static void restore(int n, const double *restrict restored, double *restr
 }
 
 /* Computes the fluxes from the amplitudes of both sides. */
-static void back_apart(const struct faces *f, const struct two_bases *t, const int *kind, double (*a[2])[BATCH]) {
+static void back_apart(const struct faces *f, const struct two_bases *t, const int *kind, const double *left,
+                       const double *right) {
     for (int from = 0, to; from < f->n; from = to) {
         const int side = kind[from / GROUP] & (ALL_LEFT | ALL_RIGHT);
         for (to = from + GROUP; to < f->n && (kind[to / GROUP] & (ALL_LEFT | ALL_RIGHT)) == side;) to += GROUP;
         to = to < f->n ? to : f->n;
-        for (int s = 0; s < 2; s++)
-            if (side != (s ? ALL_LEFT : ALL_RIGHT)) project_back(f->dim, from, to, &t->b[s], a[s], s && !side, f->out);
+        project_back(f->dim, from, to, &t->b[side == ALL_RIGHT], f->n, left, false, f->out);
+        if (!side) project_back(f->dim, from, to, &t->b[1], f->n, right, true, f->out);
     }
 }
 
@@ -339,8 +343,7 @@ static void two_bases_flux(const struct faces *given, const struct eos *eos, con
     const struct bases *b = t->b;
     struct faces eased = *given;
     int kind[BATCH / GROUP];
-    ALIGNED double left[MAX_VAR][BATCH], right[MAX_VAR][BATCH];
-    double(*a[2])[BATCH] = {left, right};
+    ALIGNED double left[COLUMNS], right[COLUMNS];
     for (int s = 0; s < 2; s++) {
         flux_sided_states(f, eos, m, s == 0 ? 1 : -1, r, &t->s[s]);
         state_bases(f->dim, f->n, &t->s[s], &t->b[s]);
@@ -355,8 +358,8 @@ static void two_bases_flux(const struct faces *given, const struct eos *eos, con
     }
     find_winds(f->n, b[0].u[0], b[0].c, b[1].u[0], b[1].c, false, 0, &t->w);
     find_kinds(f->n, &t->w, SPLITS | ALL_LEFT | ALL_RIGHT | MIXED, kind);
-    characteristic_apart(r, kind, f, b, &t->w, a);
-    back_apart(f, t, kind, a);
+    characteristic_apart(r, kind, f, b, &t->w, left, right);
+    back_apart(f, t, kind, left, right);
     if (given->rise) restore(f->n, t->restored, f->out[1]);
 }
 
@@ -415,16 +418,17 @@ KERNEL static void means(int dim, int n, const struct face_states s[2], const do
 /* Computes (Q_l + Q_r) f*: first-order upwinding of the means on the two bases. tame_dim subtracts f* to get D. */
 static void excess_of(const struct faces *f, const struct two_bases *t, struct excess *e) {
     struct faces mean = {.n = f->n, .dim = f->dim};
-    double a[MAX_VAR][BATCH], *D[MAX_VAR];
+    double left[COLUMNS], right[COLUMNS], *D[MAX_VAR];
+    int kind[BATCH / GROUP];
     for (int v = 0; v < f->dim + 2; v++) {
         mean.flux[v] = e->f[v];
         mean.state[v] = e->u[v];
         D[v] = e->D[v];
     }
-    for (int s = 0; s < 2; s++) {
-        characteristic_sided(reconstruct_find("firstOrder"), &mean, &t->b[s], &t->w, s, a);
-        project_back(f->dim, 0, f->n, &t->b[s], a, s == 1, D);
-    }
+    find_kinds(f->n, &t->w, SPLITS, kind);
+    characteristic_apart(reconstruct_find("firstOrder"), kind, &mean, t->b, &t->w, left, right);
+    project_back(f->dim, 0, f->n, &t->b[0], f->n, left, false, D);
+    project_back(f->dim, 0, f->n, &t->b[1], f->n, right, true, D);
 }
 
 /* A change of state as dp/c^2, rho du_n/c, rho du_t, and drho at constant p: in these variables |A| is symmetric. */
@@ -594,9 +598,8 @@ void flux_eigenvectors(int dim, const struct basis *given, double left[MAX_VAR][
     for (int k = 0; k < dim; k++) kinetic += 0.5 * given->u[k] * given->u[k];
     close_basis(dim, given->u, given->h - kinetic, given->c, given->b1 * given->c * given->c, &b, 0);
     for (int v = 0; v < dim + 2; v++) {
-        double unit[MAX_VAR] = {0}, a[MAX_VAR][BATCH] = {{0}}, column[MAX_VAR];
+        double unit[MAX_VAR] = {0}, column[MAX_VAR];
         unit[v] = 1;
-        a[v][0] = 1;
         const double *q[MAX_VAR] = {0};
         double *out[MAX_VAR];
         for (int k = 0; k < dim + 2; k++) {
@@ -604,7 +607,7 @@ void flux_eigenvectors(int dim, const struct basis *given, double left[MAX_VAR][
             out[k] = &column[k];
         }
         struct fields w = project(dim, rows_at(dim, &b, 0), q, 0, unit[1]);
-        project_back(dim, 0, 1, &b, a, false, out);
+        project_back(dim, 0, 1, &b, 1, unit, false, out);
         left[0][v] = w.minus;
         left[1][v] = w.entropy;
         for (int k = 2; k <= dim; k++) left[k][v] = w.shear[k - 2];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The formulas of the reconstructions; each cites its source. A row of the table is a function of the five cells of a
- * stencil; LOOPS makes its loops over lines. */
+ * stencil; LOOP makes its loop over lines. */
 #include "libcore/schemes/reconstruct.h"
 
 /* Returns the value of one field at the right face of cell c, from five cells in a row. */
@@ -130,109 +130,18 @@ ALWAYS_INLINE void line(face_value *value, int n, const double *const q[5], doub
     for (int i = 0; i < n; i++) out[i] = value(a[i], b[i], c[i], d[i], e[i]);
 }
 
-struct six { /* a field in the cells of a face's stencil */
-    double a, b, c, d, e, f;
-};
-ALWAYS_INLINE struct six six_at(const double *x, long xs, const double *y, long ys, double factor, int i) {
-    return (struct six){fma(factor, x[i - 2 * xs], y[i - 2 * ys]),
-                        fma(factor, x[i - xs], y[i - ys]),
-                        fma(factor, x[i], y[i]),
-                        fma(factor, x[i + xs], y[i + ys]),
-                        fma(factor, x[i + 2 * xs], y[i + 2 * ys]),
-                        fma(factor, x[i + 3 * xs], y[i + 3 * ys])};
-}
-#define CELLS_OF(q, name)                                                                                              \
-    const double *name##x = (q)->x, *name##y = (q)->y, *name##factor = (q)->factor, name##scale = (q)->scale;          \
-    const long name##xs = (q)->x_stride, name##ys = (q)->y_stride
-#define SIX_AT(name, i) six_at(name##x, name##xs, name##y, name##ys, name##scale *name##factor[i], i)
-
-/* Returns a field's face value from its upwind side. */
-ALWAYS_INLINE void upwind(face_value *value, int n, const double *restrict speed, const struct projected *q,
-                          double *restrict out) {
-    CELLS_OF(q, q);
-    EACH_ALONE
-    for (int i = 0; i < n; i++) {
-        const struct six s = SIX_AT(q, i);
-        const uint64_t right = -(uint64_t)(speed[i] == UPWIND_RIGHT);
-        out[i] = value(select_masked(right, s.f, s.a), select_masked(right, s.e, s.b), select_masked(right, s.d, s.c),
-                       select_masked(right, s.c, s.d), select_masked(right, s.b, s.e));
-    }
-}
-
-/* The same on two bases: the value goes to the side that it comes from. */
-ALWAYS_INLINE void apart(face_value *value, int n, const double *restrict speed, const struct projected q[2],
-                         double *restrict left, double *restrict right) {
-    CELLS_OF(&q[0], l);
-    CELLS_OF(&q[1], r);
-    EACH_ALONE
-    for (int i = 0; i < n; i++) {
-        const struct six L = SIX_AT(l, i), R = SIX_AT(r, i);
-        const uint64_t from_right = -(uint64_t)(speed[i] == UPWIND_RIGHT);
-        const double v = value(select_masked(from_right, R.f, L.a), select_masked(from_right, R.e, L.b),
-                               select_masked(from_right, R.d, L.c), select_masked(from_right, R.c, L.d),
-                               select_masked(from_right, R.b, L.e));
-        left[i] = select_masked(from_right, 0, v);
-        right[i] = select_masked(from_right, v, 0);
-    }
-}
-
-/* Returns the part of a field that comes from one side (+1: left, -1: right): the face value of (q + side alpha w)/2
- * where the face splits the field with the speed alpha, else of q, or 0 where the field comes from the other side. */
-ALWAYS_INLINE double side_value(face_value *value, double speed, double side, const struct six q, const struct six w) {
-    bool split = speed >= 0;
-    double part = split ? 0.5 : 1, alpha = split ? side * (0.5 * speed) : 0;
-    double v = value(fma(alpha, w.a, part * q.a), fma(alpha, w.b, part * q.b), fma(alpha, w.c, part * q.c),
-                     fma(alpha, w.d, part * q.d), fma(alpha, w.e, part * q.e));
-    return speed == (side > 0 ? UPWIND_RIGHT : UPWIND_LEFT) ? 0 : v;
-}
-ALWAYS_INLINE struct six mirrored(const struct six q) {
-    return (struct six){q.f, q.e, q.d, q.c, q.b, q.a};
-}
-ALWAYS_INLINE void sided(face_value *value, int n, const double *restrict speed, double side, const struct projected *q,
-                         const struct projected *w, double *restrict out) {
-    CELLS_OF(q, q);
-    CELLS_OF(w, w);
-    EACH_ALONE
-    for (int i = 0; i < n; i++) out[i] = side_value(value, speed[i], side, SIX_AT(q, i), SIX_AT(w, i));
-}
-ALWAYS_INLINE void split(face_value *value, int n, const double *restrict speed, const struct projected *q,
-                         const struct projected *w, double *restrict out) {
-    CELLS_OF(q, q);
-    CELLS_OF(w, w);
-    EACH_ALONE
-    for (int i = 0; i < n; i++) {
-        const struct six phi = SIX_AT(q, i), u = SIX_AT(w, i);
-        out[i] = side_value(value, speed[i], 1, phi, u) + side_value(value, speed[i], -1, mirrored(phi), mirrored(u));
-    }
-}
-
-#define LOOPS(value)                                                                                                   \
+#define LOOP(value)                                                                                                    \
     KERNEL static void value##_line(int n, const double *const q[5], double *restrict out) {                           \
         line(value, n, q, out);                                                                                        \
-    }                                                                                                                  \
-    KERNEL static void value##_upwind(int n, const double *speed, const struct projected *q, double *restrict out) {   \
-        upwind(value, n, speed, q, out);                                                                               \
-    }                                                                                                                  \
-    KERNEL static void value##_apart(int n, const double *speed, const struct projected q[2], double *restrict left,   \
-                                     double *restrict right) {                                                         \
-        apart(value, n, speed, q, left, right);                                                                        \
-    }                                                                                                                  \
-    KERNEL static void value##_split(int n, const double *speed, const struct projected *q, const struct projected *w, \
-                                     double *restrict out) {                                                           \
-        split(value, n, speed, q, w, out);                                                                             \
-    }                                                                                                                  \
-    KERNEL static void value##_sided(int n, const double *speed, double side, const struct projected *q,               \
-                                     const struct projected *w, double *restrict out) {                                \
-        sided(value, n, speed, side, q, w, out);                                                                       \
     }
-LOOPS(phm)
-LOOPS(wpeno5)
-LOOPS(weno5)
-LOOPS(wenoz)
-LOOPS(teno5)
-LOOPS(first_order)
+LOOP(phm)
+LOOP(wpeno5)
+LOOP(weno5)
+LOOP(wenoz)
+LOOP(teno5)
+LOOP(first_order)
 #define ROW(name, about, reach, value)                                                                                 \
-    { MODEL(name, about), reach, value##_line, value##_upwind, value##_apart, value##_split, value##_sided }
+    { MODEL(name, about), reach, value##_line }
 
 const struct reconstruct reconstruct_table[] = {
     ROW("PHM", "piecewise hyperbolic, third order on monotone data, for shocks (Marquina 1994)", 1, phm),
