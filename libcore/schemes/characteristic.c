@@ -10,7 +10,7 @@ enum {
     LEFT = 2,              /* place of the left one */
     NEXT = COLUMNS + BATCH /* from one cell of a column to the next one */
 };
-struct stencils { /* the columns of a batch; nobody reads the last BATCH ones */
+struct stencils { /* the columns of a batch; the last BATCH ones are scratch, which no code reads */
     ALIGNED double cell[CELLS][NEXT];
 };
 

@@ -87,7 +87,7 @@ class Page(unittest.TestCase):
             self.assertEqual(wrong(command), "", command)
 
     def test_cells(self):
-        """What a page of theirs or ours shows is said in every row, and a reason wherever a number of theirs is another."""
+        """Every row says what the figure shows, and gives a reason where the paper's number differs from ours."""
         for name, rows in self.papers.items():
             for row in rows:
                 with self.subTest(f"{name} {row.name} {row.shows}"):

@@ -5,7 +5,7 @@
 
 runs some fifty variants of wedge, wedgeDense, wall, blast, blastElastic, blastDense and vibratedLayer in FOLDER, one after the other, and prints the tables;
 -write puts them into the reports, between their markers. What stands in FOLDER is not run again: take a new one for another program. About four minutes of
-one core. A run that ends before its time, by an inelastic collapse, is told with the time."""
+one core. A run that ends before its time, by an inelastic collapse, is listed with its last time."""
 import glob
 import os
 import re

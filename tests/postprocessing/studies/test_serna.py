@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""haff serna: a variant runs and is measured, a stop is told, tables go between their markers."""
+"""haff serna: a variant runs and is measured, the table names a stop, tables go between their markers."""
 import os
 import re
 import shutil
