@@ -208,10 +208,10 @@ struct strip {
 const double *fronts_floor(const struct gas *g, const struct strip *s);
 
 /* Thin cells beside dense ones (libcore/lattice/tiles_voids.c). Reads the densities of row (j, k) of the tile in hand;
- * chooses the faces of a strip that have such a cell, after the rows of its stencils were read. Returns whether there
- * is one. */
+ * marks the faces of a strip that have such a cell by 1, others by 0, in whole vectors, after the rows of its stencils
+ * were read. Returns whether there is one; else flat is not set. */
 void voids_row(const struct gas *g, const double *U, int j, int k);
-bool voids_find(const struct gas *g, const double *U, const struct strip *s, bool *chosen);
+bool voids_find(const struct gas *g, const double *U, const struct strip *s, double *flat);
 
 /* Does a side of a tile lie on a patch that gives the mass that flows in? */
 bool tiles_fed(const struct gas *g, int tile, int side);

@@ -131,12 +131,23 @@ static void through(const struct gas *g, const struct strip *s, const struct fac
         g->models.flux->through(f, g->models.eos, &g->models.material, r);
 }
 
+/* Chooses the faces of packed cells; returns bits that are all 0 if there are none. */
+KERNEL static uint64_t find_packed(int n, long stride, double most, const double *restrict rho,
+                                   double *restrict packed) {
+    uint64_t any = 0;
+    for (int i = 0; i < n; i++) {
+        packed[i] = larger(rho[i], rho[i + stride]) > most ? 1 : 0;
+        any |= bits_of(packed[i]);
+    }
+    return any;
+}
+
 /* The faces of a strip from the first chosen one to the last; there is one. */
-static struct strip strip_of_chosen(const struct strip *s, const bool *chosen) {
+static struct strip strip_of_chosen(const struct strip *s, const double *chosen) {
     struct strip of = *s;
     int low = 0, high = s->n;
-    while (!chosen[low]) low++;
-    while (!chosen[high - 1]) high--;
+    while (!(chosen[low] > 0)) low++;
+    while (!(chosen[high - 1] > 0)) high--;
     of.n = high - low;
     of.offset += low;
     of.column += low;
@@ -144,49 +155,32 @@ static struct strip strip_of_chosen(const struct strip *s, const bool *chosen) {
     return of;
 }
 
-/* Takes the flux of first order at the chosen faces of a strip, of which there is one; balanced: beside gas at rest
- * under gravity. */
-static void flatten(const struct gas *g, const double *U, const struct strip *s, const bool *chosen, bool balanced,
-                    double (*out)[BATCH], int column) {
-    const struct strip part = strip_of_chosen(s, chosen);
-    const int skipped = part.column - s->column;
-    double lower[MAX_VAR][BATCH];
+/* Takes the flux of first order at the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a
+ * millionth of u^2, so that an undershoot of E by as little would leave the cell without pressure, and its neighbours
+ * would press it to packing: the collapse that the threshold keeps away. flat: faces that have it already, or NULL. */
+static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, const double *flat,
+                           double (*out)[BATCH], int column) {
+    double packed[BATCH], lower[MAX_VAR][BATCH];
     struct faces f;
+    if (!find_packed(s->n, g->forest->stride[s->axis], PACKED * g->limit, U + s->offset, packed)) return;
+    const struct strip part = strip_of_chosen(s, packed);
+    const int skipped = part.column - s->column;
     make_faces(g, U, &part, lower, 0, &f);
-    if (balanced)
-        through(g, &part, &f, g->first_order);
-    else
-        g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < part.n; i++)
-            if (chosen[skipped + i]) out[v][column + skipped + i] = lower[v][i];
+    g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
+    for (int i = skipped; i < skipped + part.n; i++)
+        for (int v = 0; v < g->nvar && packed[i] > 0 && !(flat && flat[i] > 0); v++)
+            out[v][column + i] = lower[v][i - skipped];
 }
 
-/* Flattens the faces of packed cells, in a gas whose slow impacts are elastic. There T may be a millionth of u^2, so
- * that an undershoot of E by as little would leave the cell without pressure, and its neighbours would press it to
- * packing: the collapse that the threshold keeps away. */
-static void flatten_packed(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
-                           int column) {
-    const double *rho = U + s->offset, *next = rho + g->forest->stride[s->axis];
-    bool packed[BATCH], any = false;
-    for (int i = 0; i < s->n; i++) any |= packed[i] = larger(rho[i], next[i]) > PACKED * g->limit;
-    if (any) flatten(g, U, s, packed, false, out, column);
-}
-
-/* Flattens the faces of thin cells beside dense ones. A polynomial through densities a hundredfold apart carries energy
+/* The faces of thin cells beside dense ones are flat: a polynomial through densities a hundredfold apart carries energy
  * into a cell without mass, which then gets a T and a speed beyond those of the gas. */
-static void flatten_voids(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH],
-                          int column) {
-    bool chosen[BATCH];
-    if (voids_find(g, U, s, chosen)) flatten(g, U, s, chosen, true, out, column);
-}
-
 static void face_fluxes(struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column) {
     struct faces f;
+    double flat[BATCH];
     make_faces(g, U, s, out, column, &f);
+    if (voids_find(g, U, s, flat)) f.flat = flat;
     through(g, s, &f, g->models.reconstruct);
-    if (g->models.material.threshold > 0) flatten_packed(g, U, s, out, column);
-    flatten_voids(g, U, s, out, column);
+    if (g->models.material.threshold > 0) flatten_packed(g, U, s, f.flat, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
     if (g->fed) tiles_feed(g, U, s, out, column);
     if (tiles_hold_bed(g, s->tile)) tiles_note_fluxes(g, s, out, column);

@@ -73,13 +73,12 @@ KERNEL static uint64_t find_three(int n, long stride, const double *rho, const d
     return find_within(3, n, stride, rho, p, chosen);
 }
 
-bool voids_find(const struct gas *g, const double *U, const struct strip *s, bool *chosen) {
-    double thin[BATCH];
+bool voids_find(const struct gas *g, const double *U, const struct strip *s, double *flat) {
     if (g->models.reconstruct->reach == 0 || !may_hold_voids(g, s)) return false;
     const double *rho = U + s->offset, *p = g->tiles->work.p + s->offset;
     const long stride = g->forest->stride[s->axis];
     const bool narrow = g->models.reconstruct->reach == 1;
-    if (!(narrow ? find_two : find_three)(s->n, stride, rho, p, thin)) return false;
-    for (int i = 0; i < s->n; i++) chosen[i] = thin[i] > 0;
+    if (!(narrow ? find_two : find_three)(s->n, stride, rho, p, flat)) return false;
+    for (int i = s->n; i < whole_vectors(s->n); i++) flat[i] = 0;
     return true;
 }

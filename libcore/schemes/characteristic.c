@@ -12,6 +12,7 @@ enum {
 };
 struct stencils { /* the columns of a batch; the last BATCH ones are scratch, which no code reads */
     ALIGNED double cell[CELLS][NEXT];
+    int flats, flat[COLUMNS]; /* how many columns are those of flat faces (struct faces), and which */
 };
 
 /* Where `on` is 0 or 1 the products are exact. */
@@ -34,11 +35,12 @@ void faces_take_rest(const struct faces *f, const double *q, double (*out)[BATCH
 }
 
 struct cells { /* fluxes or states: as in struct faces, but the normal component has a stride of its own */
-    const double *q[MAX_VAR];
+    const double *const *q, *normal; /* read as they are: a copy of what was just written would wait for it */
     long stride, normal_stride;
 };
 struct task { /* n faces of a batch from face `at` on, and the columns of their fields */
     int at, n, dim;
+    const double *flat; /* as in struct faces */
     struct cells flux, state;
     const struct bases *b[2]; /* of the left and of the right side */
     const struct winds *w;
@@ -46,7 +48,7 @@ struct task { /* n faces of a batch from face `at` on, and the columns of their 
 };
 
 ALWAYS_INLINE struct fields cell_of(const int dim, const struct rows l, const struct cells *c, int i, int k) {
-    return project(dim, l, c->q, i + (k - LEFT) * c->stride, c->q[1][i + (k - LEFT) * c->normal_stride]);
+    return project(dim, l, c->q, i + (k - LEFT) * c->stride, c->normal[i + (k - LEFT) * c->normal_stride]);
 }
 ALWAYS_INLINE double field_of(const int dim, const struct fields f, int v) {
     return v == 0 ? f.minus : v == dim + 1 ? f.plus : v == 1 ? f.entropy : f.shear[v - 2];
@@ -84,15 +86,20 @@ ALWAYS_INLINE void put(const int dim, const bool split, const struct wind w[FAMI
  * fields; two: the bases of both sides differ. */
 ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const bool two, const struct task *t,
                          const int from) {
-    const struct cells flux = t->flux, state = t->state;
+    struct cells flux = t->flux, state = t->state;
     const struct bases *lb = t->b[0], *rb = t->b[1];
     const int at = t->at, n = t->n;
     const double *minus = t->w->speed[MINUS] + at, *entropy = t->w->speed[ENTROPY] + at, *plus = t->w->speed[PLUS] + at;
-    double *first[MAX_VAR], *second[MAX_VAR]; /* copies, which no store can change */
+    const double *q[MAX_VAR], *u[MAX_VAR]; /* copies, which no store can change */
+    double *first[MAX_VAR], *second[MAX_VAR];
     for (int v = 0; v < dim + 2; v++) {
+        q[v] = flux.q[v];
+        u[v] = state.q[v];
         first[v] = t->first[v];
         second[v] = t->second[v];
     }
+    flux.q = q;
+    state.q = u;
     EACH_ALONE
     for (int i = 0; i < n; i++) {
         const int j = at + i;
@@ -101,17 +108,17 @@ ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const
         UNROLL
         for (int pair = 0; pair < pairs; pair++) {
             const int k = from + pair, m = CELLS - 1 - k;
-            struct fields q[4] = {cell_of(dim, l, &flux, j, k), cell_of(dim, r, &flux, j, m)}, u[4];
-            q[2] = two ? cell_of(dim, l, &flux, j, m) : q[1];
-            q[3] = two ? cell_of(dim, r, &flux, j, k) : q[0];
+            struct fields phi[4] = {cell_of(dim, l, &flux, j, k), cell_of(dim, r, &flux, j, m)}, psi[4];
+            phi[2] = two ? cell_of(dim, l, &flux, j, m) : phi[1];
+            phi[3] = two ? cell_of(dim, r, &flux, j, k) : phi[0];
             if (split) {
-                u[0] = cell_of(dim, l, &state, j, k);
-                u[1] = cell_of(dim, r, &state, j, m);
-                u[2] = two ? cell_of(dim, l, &state, j, m) : u[1];
-                u[3] = two ? cell_of(dim, r, &state, j, k) : u[0];
+                psi[0] = cell_of(dim, l, &state, j, k);
+                psi[1] = cell_of(dim, r, &state, j, m);
+                psi[2] = two ? cell_of(dim, l, &state, j, m) : psi[1];
+                psi[3] = two ? cell_of(dim, r, &state, j, k) : psi[0];
             }
-            put(dim, split, w, q, u, first, second, i + k * (long)NEXT);
-            if (pair > 0 || pairs == 1) put(dim, split, w, q + 2, u + 2, first, second, i + m * (long)NEXT);
+            put(dim, split, w, phi, psi, first, second, i + k * (long)NEXT);
+            if (pair > 0 || pairs == 1) put(dim, split, w, phi + 2, psi + 2, first, second, i + m * (long)NEXT);
         }
     }
 }
@@ -156,6 +163,15 @@ static int run_end(int to, const int *kind, int same, int from) {
     return end < to ? end : to;
 }
 
+/* Notes the columns of flat faces in a run of some kind. */
+static void note_flat(const struct task *t, int kind, struct stencils *x) {
+    for (int i = 0; i < t->n; i++)
+        for (int v = 0; v < t->dim + 2 && t->flat[t->at + i] > 0; v++) {
+            x->flat[x->flats++] = (int)(t->first[v] - x->cell[0]) + i;
+            if (kind & 1 << family_of(t->dim, v)) x->flat[x->flats++] = (int)(t->second[v] - x->cell[0]) + i;
+        }
+}
+
 /* Writes the columns of a run of faces of one kind, the first of n faces being `from`, and the second columns from
  * column `next` on; returns the column behind them. */
 static int order_run(const struct reconstruct *r, int kind, int from, int n, struct task *t, struct stencils *x,
@@ -173,26 +189,29 @@ static int order_run(const struct reconstruct *r, int kind, int from, int n, str
         one[splits][r->reach](t, 0);
     else
         for (int k = LEFT - r->reach; k <= LEFT; k++) (splits ? apart_split : apart_upwind)(t, k);
+    if (t->flat) note_flat(t, kind, x);
     return next;
 }
 
-static struct task task_of(const struct faces *f, const struct winds *w, double (*momentum)[BATCH]) {
-    struct task t = {.dim = f->dim, .flux = {.stride = f->stride, .normal_stride = f->stride}, .w = w};
-    memcpy(t.flux.q, f->flux, sizeof t.flux.q);
-    t.state = t.flux;
-    memcpy(t.state.q, f->state, sizeof t.state.q);
-    if (f->rise) {
-        take_rest(f, f->flux[1], momentum);
-        t.flux.q[1] = momentum[LEFT];
-        t.flux.normal_stride = BATCH;
-    }
-    return t;
+/* Sets a task field by field: a copy of it would wait until all of it is written. */
+static void task_make(const struct faces *f, const struct winds *w, double (*momentum)[BATCH], struct task *t) {
+    t->dim = f->dim;
+    t->w = w;
+    t->flat = f->flat;
+    t->flux.q = f->flux;
+    t->flux.normal = f->rise ? momentum[LEFT] : f->flux[1];
+    t->flux.normal_stride = f->rise ? BATCH : f->stride;
+    t->state.q = f->state;
+    t->state.normal = f->state[1];
+    t->flux.stride = t->state.stride = t->state.normal_stride = f->stride;
+    if (f->rise) take_rest(f, f->flux[1], momentum);
 }
 
 static void reconstruct_columns(const struct reconstruct *r, int columns, const struct stencils *x, double *a) {
     const double *line[CELLS];
     for (int k = 0; k < CELLS; k++) line[k] = x->cell[k];
     r->face(columns, line, a);
+    for (int i = 0; i < x->flats; i++) a[x->flat[i]] = x->cell[LEFT][x->flat[i]];
 }
 
 void characteristic_common(const struct reconstruct *r, int from, int to, const int *kind, const struct faces *f,
@@ -200,8 +219,10 @@ void characteristic_common(const struct reconstruct *r, int from, int to, const 
     const int n = to - from, first = (f->dim + 2) * n;
     int columns = first;
     struct stencils x;
+    x.flats = 0;
     ALIGNED double momentum[CELLS][BATCH];
-    struct task t = task_of(f, w, momentum);
+    struct task t;
+    task_make(f, w, momentum, &t);
     t.b[0] = t.b[1] = b;
     for (t.at = from; t.at < to; t.at += t.n) {
         t.n = run_end(to, kind, SPLITS, t.at) - t.at;
@@ -225,8 +246,10 @@ void characteristic_apart(const struct reconstruct *r, const int *kind, const st
     const int n = f->n, first = (f->dim + 2) * n, one_side = ALL_LEFT | ALL_RIGHT, same = SPLITS | one_side;
     int columns = first;
     struct stencils x;
+    x.flats = 0;
     ALIGNED double momentum[CELLS][BATCH];
-    struct task t = task_of(f, w, momentum);
+    struct task t;
+    task_make(f, w, momentum, &t);
     for (t.at = 0; t.at < n; t.at += t.n) {
         const int now = kind[t.at / GROUP];
         t.n = run_end(n, kind, same, t.at) - t.at;

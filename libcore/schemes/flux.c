@@ -247,10 +247,20 @@ KERNEL static void admit(int n, int dim, double limit, const double *restrict rh
     }
 }
 
+KERNEL static void take_cells(int n, const double *restrict flat, const double *restrict cell, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = flat[i] > 0 ? cell[i] : out[i];
+}
+
+void flux_reconstruct_lines(const struct faces *f, const struct reconstruct *r, const double *const line[5],
+                            double *out) {
+    r->face(f->n, line, out);
+    if (f->flat) take_cells(f->n, f->flat, line[2], out);
+}
+
 void flux_reconstruct(const struct faces *f, const double *q, int side, const struct reconstruct *r, double *out) {
     const double *line[5];
     for (int m = 0; m < 5; m++) line[m] = q + (side > 0 ? m - 2 : 3 - m) * f->stride;
-    r->face(f->n, line, out);
+    flux_reconstruct_lines(f, r, line, out);
 }
 
 void flux_sided_states(const struct faces *f, const struct eos *eos, const struct material *m, int side,

@@ -26,6 +26,8 @@ struct faces {
     /* [n] m/s: the least speed with which entropy and shears are split, for single faces beside the front of a
      * shock (docs/physics.md 6.12, rules of faces), 0: none; NULL: none at all */
     const double *floor;
+    /* [n] 1 where the values of the cells take the place of reconstructed ones (first order), else 0; NULL: 0 */
+    const double *flat;
     const double *eps, *c, *gruneisen; /* internal energy J/kg, sound speed, p_eps/rho of the cells */
     /* The pressure of gas at rest, which is taken from the flux of momentum: base[0], base[1] [n] in the left and the
      * right cells, and its rises from the other cells of a stencil to the next ones, as the other lines. on [n]: 1,

@@ -107,11 +107,17 @@ static void force_flux(struct riemann *x, const struct eos *eos, const struct ma
         force_mean(n, x->inverse, s.good, x->U[0][v], x->U[1][v], x->f[0][v], x->f[1][v], f[v], F[v]);
 }
 
+/* Are the states of face i reconstructed? */
+ALWAYS_INLINE bool is_reconstructed(const struct faces *f, const struct reconstruct *r, int i) {
+    return r->reach > 0 && !(f->flat && f->flat[i] > 0);
+}
+
 /* The pressure of gas at rest that is taken from the fluxes of momentum of both sides: on the face, where the states
  * are reconstructed to it, else in the cells. */
 static void force_bases(const struct faces *f, const struct reconstruct *r, struct riemann *x) {
     for (int i = 0; i < f->n; i++) {
-        for (int side = 0; side < 2; side++) x->base[side][i] = !f->rise ? 0 : r->reach ? f->rest[i] : f->base[side][i];
+        for (int side = 0; side < 2; side++)
+            x->base[side][i] = !f->rise ? 0 : is_reconstructed(f, r, i) ? f->rest[i] : f->base[side][i];
         x->middle[i] = 0.5 * (x->base[0][i] + x->base[1][i]);
     }
 }
@@ -142,7 +148,8 @@ KERNEL static void force_add(int n, const double *restrict left, const double *r
     }
 }
 
-/* Writes F to the faces, at high order on a lattice. first: the fluxes of the reconstructed states */
+/* Writes F to the faces, at high order on a lattice where states are reconstructed. first: the fluxes of the
+ * reconstructed states */
 static void force_end(const struct faces *f, const struct reconstruct *r, const struct riemann *x,
                       double (*const first[2])[BATCH]) {
     double calm[6][BATCH], left[BATCH], right[BATCH];
@@ -156,6 +163,8 @@ static void force_end(const struct faces *f, const struct reconstruct *r, const 
         r->face(f->n, cell, left);
         r->face(f->n, back, right);
         force_add(f->n, left, right, first[0][v], first[1][v], f->out[v]);
+        for (int i = 0; i < f->n && f->flat; i++)
+            if (!is_reconstructed(f, r, i)) f->out[v][i] = x->F[v][i];
     }
 }
 

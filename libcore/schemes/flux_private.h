@@ -23,6 +23,10 @@ struct face_states { /* states at n faces, from one side */
 void flux_sided_states(const struct faces *f, const struct eos *eos, const struct material *m, int side,
                        const struct reconstruct *r, struct face_states *s);
 
+/* Reconstructs lines of cells to the faces, line[2] beside them and line[3] beyond; where f->flat, takes line[2]. */
+void flux_reconstruct_lines(const struct faces *f, const struct reconstruct *r, const double *const line[5],
+                            double *out);
+
 /* Reconstructs a line q of cells to the faces from one side (+1: left, -1: right). */
 void flux_reconstruct(const struct faces *f, const double *q, int side, const struct reconstruct *r, double *out);
 

@@ -233,7 +233,7 @@ void flux_sided_pressure(const struct faces *f, int side, const struct reconstru
     }
     faces_take_rest(f, f->p, taken);
     for (int k = 0; k < 5; k++) line[k] = taken[side > 0 ? k : 5 - k];
-    r->face(f->n, line, out);
+    flux_reconstruct_lines(f, r, line, out);
     for (int i = 0; i < f->n; i++) out[i] += f->rest[i];
 }
 
@@ -322,6 +322,7 @@ static struct faces faces_of(const struct faces *f, struct span s) {
     part.gruneisen = f->gruneisen + s.from;
     part.rule = NULL; /* which is read no more, as is the floor */
     part.floor = NULL;
+    if (f->flat) part.flat = f->flat + s.from;
     if (!f->rise) return part;
     for (int side = 0; side < 2; side++) part.base[side] = f->base[side] + s.from;
     part.rise = f->rise + s.from;
