@@ -51,11 +51,19 @@ class Tube:
         self.options.update(eos=self.eos.model, gamma=self.eos.gamma)
         density = getattr(self.eos, "rho", lambda rho: rho)
         self.left, self.right = (density(left[0]), *left[1:]), (density(right[0]), *right[1:])
-        self.exact = Riemann(self.eos, self.left, self.right)
-        edges = [w.speed if w.shock else w.head for w in (self.exact.left, self.exact.right)]
+        self.wanted_end, self.ways, self.known = end, ways, {}
+
+    @functools.cached_property  # takes seconds
+    def exact(self):
+        return Riemann(self.eos, self.left, self.right)
+
+    @functools.cached_property
+    def end(self):
+        end = self.wanted_end
         if not end:
-            end = min(ways[0] / max(-edges[0], 1e-30), ways[1] / max(edges[1], 1e-30))
-        self.end, self.known = float("%.6g" % end), {}
+            edges = [w.speed if w.shock else w.head for w in (self.exact.left, self.exact.right)]
+            end = min(self.ways[0] / max(-edges[0], 1e-30), self.ways[1] / max(edges[1], 1e-30))
+        return float("%.6g" % end)
 
     def averages(self, n):
         if n not in self.known:
@@ -98,7 +106,7 @@ def warm(nu):
     return float(eos.p(eos.rho(nu), 1.0))
 
 
-@functools.cache  # its exact solution takes seconds
+@functools.cache
 def drifting_burst(drift=0.81, eos=None):
     """Dense gas that expands behind dilute gas, which recedes: a stiff rarefaction and a weak shock."""
     return Tube("A", (0.4005, drift, 399.0), (0.0032, drift + 0.5613, 1.0), 0.4, 0.2585, eos=eos)
@@ -143,7 +151,7 @@ class Cooled(Tube):
     fine = 12800
 
     def __init__(self, tube):
-        self.__dict__.update(tube.__dict__)
+        self.__dict__.update({**tube.__dict__, "exact": tube.exact, "end": tube.end})
         self.eos, self.options, self.known = type(tube.eos)(0.9), {**tube.options, "cooling": "Haff"}, {}
         runs = [np.array(self.fields(self.fine, rules)[:3]) for rules in (True, False)]
         self.finest, difference = runs[0], np.abs(runs[0] - runs[1]).mean(axis=1)

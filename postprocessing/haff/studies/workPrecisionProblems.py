@@ -145,9 +145,13 @@ class Dense(Problem):
     grids, quick = (100, 200, 400, 800), ()
 
     def __init__(self, name, title, tube, field="rho"):
-        self.name, self.title, self.tube, self.field, self.end = name, title, tube, field, tube.end
+        self.name, self.title, self.tube, self.field = name, title, tube, field
         self.options = tube.options
         self.scale = np.ptp([tube.left[0], tube.right[0]]) or tube.left[0] if field == "rho" else tube.left[2]
+
+    @property
+    def end(self):
+        return self.tube.end
 
     def initial(self, at):
         left = at[:, 0] < self.tube.x0

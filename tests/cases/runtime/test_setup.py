@@ -163,7 +163,7 @@ class Setup(unittest.TestCase):
                 configured, built, tested = f.read().splitlines()
             self.assertRegex(configured, r"^cmake -S .* -B ")
             self.assertRegex(built, r"^cmake --build ")
-            self.assertEqual(tested, f"ctest --output-on-failure --parallel 2 {more}-L unit")
+            self.assertEqual(tested, f"ctest --output-on-failure --parallel {len(os.sched_getaffinity(0)) + 1} {more}-L unit")
 
     def test_every_case_is_whole(self):
         for name in CASES:
