@@ -47,7 +47,7 @@ struct cell {
     double alpha, room; /* room: share of the cell that centres of grains can reach */
     long index;
 };
-struct level {
+struct packing_level {
     long first, end;    /* cell[first .. end) */
     double share, room; /* sums of alpha and of room */
 };
@@ -55,9 +55,9 @@ struct levels {
     const struct grain_box *box;
     const struct packing_field *field;
     long cells, count;
-    struct cell *cell;   /* [cells], falling alpha */
-    double *reach;       /* [cells]: running sum of alpha * room within a level */
-    struct level *level; /* [count], each has room for a centre */
+    struct cell *cell;           /* [cells], falling alpha */
+    double *reach;               /* [cells]: running sum of alpha * room within a level */
+    struct packing_level *level; /* [count], each has room for a centre */
     double radius, total;
 };
 
@@ -89,7 +89,7 @@ static double cell_reach(const struct levels *l, long index, int k, double *from
  * next. */
 static void levels_group(struct levels *l) {
     for (long c = 0; c < l->cells;) {
-        struct level v = {.first = c};
+        struct packing_level v = {.first = c};
         double top = l->cell[c].alpha;
         for (; c < l->cells && (v.room == 0 || l->cell[c].alpha >= 0.98 * top); c++) {
             v.share += l->cell[c].alpha;
@@ -137,7 +137,7 @@ static double levels_densest(const struct levels *l, int n, double diameter) {
 
 /* Deals grain `number` to a level, by multiples of the golden ratio: for every n each level has its share of the first
  * n grains, to within a few. */
-static const struct level *levels_deal(const struct levels *l, double start, int number) {
+static const struct packing_level *levels_deal(const struct levels *l, double start, int number) {
     double p = start + number * 0.6180339887498949, sum = 0;
     p = (p - floor(p)) * l->total;
     long v = 0;
@@ -145,7 +145,7 @@ static const struct level *levels_deal(const struct levels *l, double start, int
     return &l->level[v];
 }
 
-static void levels_draw(const struct levels *l, const struct level *v, struct random *r, double x[3]) {
+static void levels_draw(const struct levels *l, const struct packing_level *v, struct random *r, double x[3]) {
     double p = random_uniform(r) * l->reach[v->end - 1];
     long low = v->first, high = v->end - 1;
     while (low < high) {
@@ -247,7 +247,7 @@ static status add(const struct levels *l, double diameter, int n, struct random 
     status result = shelf_make(l->box, diameter, n, x, &s);
     double start = random_uniform(r);
     for (*added = 0; !result && *added < n; ++*added) {
-        const struct level *v = levels_deal(l, start, *added);
+        const struct packing_level *v = levels_deal(l, start, *added);
         int tries = 0;
         do levels_draw(l, v, r, x[*added]);
         while (!shelf_has_room(&s, x[*added]) && ++tries < TRIES);

@@ -127,13 +127,13 @@ KERNEL static void raise_row(int n, const double *restrict speed, double *restri
     for (int i = 0; i < n; i++) S[i] = larger(S[i], speed[i]);
 }
 
-struct line { /* of cells of a tile */
+struct front_line { /* of cells of a tile */
     ALIGNED double rho[BATCH], u[BATCH], c[BATCH], p[BATCH];
 };
 
 /* Takes the primitives of the columns `s` of a row, of which those outside of `varied` are the background's. */
 static struct side_of_faces take_row(const struct work *w, const double *rho, int axis, long row, struct span s,
-                                     struct span varied, struct line *l) {
+                                     struct span varied, struct front_line *l) {
     for (int i = s.low; i < s.high; i++) {
         const long at = i >= varied.low && i < varied.high ? row + i : 0;
         l->rho[i - s.low] = rho[at];
@@ -173,7 +173,7 @@ static bool look_above(const struct gas *g, int tile, const struct state *U, int
     const double *p = w->p + row + s.low;
     const struct span of = steep_span(s.high - s.low, p, p + f->stride[axis]);
     if (span_empty(of)) return false;
-    struct line line[2];
+    struct front_line line[2];
     double speed[BATCH];
     s = (struct span){s.low + of.low, s.low + of.high};
     const struct side_of_faces l = take_row(w, U->block[tile], axis, row, s, here, &line[0]);
@@ -278,13 +278,13 @@ static long place_of(const struct forest *f, int tile, int side, int m, int i, i
     return offset_of(f, at[0], at[1], at[2]);
 }
 
-struct cells { /* of a line, with all that is found on the way to their primitives */
+struct front_cells { /* of a line, with all that is found on the way to their primitives */
     ALIGNED double U[MAX_VAR][BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
 };
 
 /* Finds the primitives of the cells `s` of line m in the layer inside a side, or of the ghosts beyond it. */
 static struct side_of_faces take_line(const struct gas *g, int tile, int side, bool beyond, int m, struct span s,
-                                      struct cells *l) {
+                                      struct front_cells *l) {
     const struct forest *f = g->forest;
     const long out = side % 2 ? f->stride[side / 2] : -f->stride[side / 2];
     const double *U = g->U.block[tile];
@@ -330,7 +330,7 @@ static void look_beyond(struct gas *g, int tile, int side) {
     const int line = n[side < 2 ? 1 : 0], lines = n[side < 4 ? 2 : 1];
     const double *p = other < 0 ? NULL : layer_of(g, tile, side);
     const double *q = other < 0 ? NULL : layer_of(g, other, side ^ 1);
-    struct cells here, there;
+    struct front_cells here, there;
     double speed[BATCH];
     for (int m = 0; m < lines; m++) {
         const struct span s = p ? steep_span(line, p + m * line, q + m * line) : (struct span){0, line};

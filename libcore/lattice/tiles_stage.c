@@ -291,7 +291,7 @@ static void settle_background(const struct update *u) {
 
 /* A tile in hand. Rows are (j, k), counted along axes 1 and 2; the faces of axis a that belong to a row are those above
  * its cells. */
-struct sweep {
+struct stage_sweep {
     struct pass pass;
     struct update *update;
     const int *n; /* cells of the tile along the axes */
@@ -306,7 +306,7 @@ static struct span *active_row(const struct gas *g, int j, int k) {
 }
 
 /* The columns of row (j, k) above which the fluxes along the pass's axis read the balance of faces. */
-static struct span balanced_span(const struct sweep *x, int j, int k) {
+static struct span balanced_span(const struct stage_sweep *x, int j, int k) {
     const struct gas *g = x->pass.g;
     const struct activity *a = &g->tiles->activity;
     const int reach = g->models.reconstruct->reach;
@@ -316,7 +316,7 @@ static struct span balanced_span(const struct sweep *x, int j, int k) {
 }
 
 /* Computes the balance of row (j, k) along the pass's axis, wherever fluxes need it. */
-static void balance(const struct sweep *x, int j, int k) {
+static void balance(const struct stage_sweep *x, int j, int k) {
     const struct gas *g = x->pass.g;
     const int axis = x->pass.axis;
     const struct span s = balanced_span(x, j, k);
@@ -328,7 +328,7 @@ static void balance(const struct sweep *x, int j, int k) {
 }
 
 /* Makes the primitives of row (j, k). */
-static void make_row(struct sweep *x, int j, int k) {
+static void make_row(struct stage_sweep *x, int j, int k) {
     const struct gas *g = x->pass.g;
     span_visit(g, g->tiles->activity.needed, j, k, primitive_visit, &x->pass);
     voids_row(g, x->pass.U, j, k);
@@ -336,7 +336,7 @@ static void make_row(struct sweep *x, int j, int k) {
 
 /* Makes what the fluxes along an axis read of row (j, k), whose primitives are there: its nodal fluxes, and the balance
  * of the faces below it (axis 0: of its own). */
-static void ready_row(struct sweep *x, int axis, int j, int k) {
+static void ready_row(struct stage_sweep *x, int axis, int j, int k) {
     const struct gas *g = x->pass.g;
     const struct activity *a = &g->tiles->activity;
     x->pass.axis = axis;
@@ -350,7 +350,7 @@ static void ready_row(struct sweep *x, int axis, int j, int k) {
 /* Computes the faces of row (j, k) along an axis: along axis 0 those of the row's active cells, the one below the first
  * among them, but not those that are known; along others those that the active cells of this row and of the next one
  * have in common, each in its column. Rows -1 have faces, but no cells. */
-static void row_faces(const struct sweep *x, int axis, int j, int k, double (*out)[BATCH]) {
+static void row_faces(const struct stage_sweep *x, int axis, int j, int k, double (*out)[BATCH]) {
     struct gas *g = x->pass.g;
     const struct forest *f = g->forest;
     const int at[MAX_DIM] = {0, j, k};
@@ -370,7 +370,7 @@ static void row_faces(const struct sweep *x, int axis, int j, int k, double (*ou
 }
 
 /* Takes the fluxes at the ends of row (j, k) from the seams there, or keeps them. */
-static void join_ends(const struct sweep *x, int j, int k, double (*faces)[BATCH]) {
+static void join_ends(const struct stage_sweep *x, int j, int k, double (*faces)[BATCH]) {
     for (int high = 0; high < 2; high++) {
         const struct seam *s = &x->seam[high];
         for (int v = 0; v < x->pass.g->nvar && s->row; v++) {
@@ -385,7 +385,7 @@ static void join_ends(const struct sweep *x, int j, int k, double (*faces)[BATCH
 
 /* Returns where the faces above row (j, k) along axis 1 or 2 are: at the sides of the tile in its seams, if it has any
  * there. */
-static face_lines *lines_above(struct sweep *x, int axis, int j, int k) {
+static face_lines *lines_above(struct stage_sweep *x, int axis, int j, int k) {
     const int place = axis == 1 ? j : k, row = axis == 1 ? k : j;
     const struct seam *low = &x->seam[2 * axis], *high = low + 1;
     if (place < 0 && low->row) return low->row + row;
@@ -394,7 +394,7 @@ static face_lines *lines_above(struct sweep *x, int axis, int j, int k) {
 }
 
 /* Computes these faces, unless they are known. */
-static void faces_above(struct sweep *x, int axis, int j, int k) {
+static void faces_above(struct stage_sweep *x, int axis, int j, int k) {
     const int place = axis == 1 ? j : k;
     const bool low = place < 0 && x->seam[2 * axis].known;
     const bool high = place == x->n[axis] - 1 && x->seam[2 * axis + 1].known;
@@ -402,7 +402,7 @@ static void faces_above(struct sweep *x, int axis, int j, int k) {
 }
 
 /* Computes the faces along axis 0 of row (j, k), and advances its cells by all their faces. */
-static void advance_cells(struct sweep *x, int j, int k) {
+static void advance_cells(struct stage_sweep *x, int j, int k) {
     struct gas *g = x->pass.g;
     const struct span s = *active_row(g, j, k);
     const long row = g->forest->first + j * g->forest->stride[1] + k * g->forest->stride[2];
@@ -422,7 +422,7 @@ static void advance_cells(struct sweep *x, int j, int k) {
 }
 
 /* Advances plane k row by row, each as soon as the stencils of its faces are complete. */
-static void sweep_plane(struct sweep *x, int k) {
+static void sweep_plane(struct stage_sweep *x, int k) {
     struct gas *g = x->pass.g;
     const int reach = g->dim > 1 ? GHOSTS : 0;
     if (g->dim > 2) g->tiles->work.along[1].origin = k * g->forest->stride[2];
@@ -437,7 +437,7 @@ static void sweep_plane(struct sweep *x, int k) {
 }
 
 /* Makes the primitives of plane k, ghosts included, and what fluxes along axis 2 read of it. */
-static void ready_plane(struct sweep *x, int k) {
+static void ready_plane(struct stage_sweep *x, int k) {
     const int reach = k < 0 || k >= x->n[2] ? 0 : GHOSTS;
     for (int j = -reach; j < x->n[1] + reach; j++) {
         make_row(x, j, k);
@@ -445,7 +445,7 @@ static void ready_plane(struct sweep *x, int k) {
     }
 }
 
-static void sweep_tile(struct sweep *x) {
+static void sweep_tile(struct stage_sweep *x) {
     if (x->pass.g->dim < 3) {
         sweep_plane(x, 0);
         return;
@@ -477,11 +477,11 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .dt = dt,
                             .tile = tile};
     ALIGNED face_lines own[2];
-    struct sweep sweep = {.pass = {.g = g, .U = from->block[tile]},
-                          .update = &update,
-                          .n = g->forest->tile[tile].n,
-                          .tile = tile,
-                          .own = own};
+    struct stage_sweep sweep = {.pass = {.g = g, .U = from->block[tile]},
+                                .update = &update,
+                                .n = g->forest->tile[tile].n,
+                                .tile = tile,
+                                .own = own};
     struct activity *active = &g->tiles->activity;
     if (g->models.flux->paced) set_paces(g);
     if (g->falls) balance_walls(g, tile, &sweep.pass.walls);

@@ -10,7 +10,7 @@ struct frame { /* of one face: the normal, then the tangents */
 };
 
 static struct frame frame_of(int dim, double *const normal[3], double *const tangent[2][3], int i) {
-    struct frame f;
+    struct frame f = {{{0}}};
     for (int k = 0; k < dim; k++) {
         f.axis[0][k] = normal[k][i];
         for (int t = 1; t < dim; t++) f.axis[t][k] = tangent[t - 1][k][i];

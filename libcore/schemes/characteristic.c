@@ -34,20 +34,20 @@ void faces_take_rest(const struct faces *f, const double *q, double (*out)[BATCH
     take_rest(f, q, out);
 }
 
-struct cells { /* fluxes or states: as in struct faces, but the normal component has a stride of its own */
+struct cell_lines { /* fluxes or states: as in struct faces, but the normal component has a stride of its own */
     const double *const *q, *normal; /* read as they are: a copy of what was just written would wait for it */
     long stride, normal_stride;
 };
 struct task { /* n faces of a batch from face `at` on, and the columns of their fields */
     int at, n, dim;
     const double *flat; /* as in struct faces */
-    struct cells flux, state;
+    struct cell_lines flux, state;
     const struct bases *b[2]; /* of the left and of the right side */
     const struct winds *w;
     double *first[MAX_VAR], *second[MAX_VAR]; /* cell 0; second: of the part from the right */
 };
 
-ALWAYS_INLINE struct fields cell_of(const int dim, const struct rows l, const struct cells *c, int i, int k) {
+ALWAYS_INLINE struct fields cell_of(const int dim, const struct eigenrows l, const struct cell_lines *c, int i, int k) {
     return project(dim, l, c->q, i + (k - LEFT) * c->stride, c->normal[i + (k - LEFT) * c->normal_stride]);
 }
 ALWAYS_INLINE double field_of(const int dim, const struct fields f, int v) {
@@ -86,7 +86,7 @@ ALWAYS_INLINE void put(const int dim, const bool split, const struct wind w[FAMI
  * fields; two: the bases of both sides differ. */
 ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const bool two, const struct task *t,
                          const int from) {
-    struct cells flux = t->flux, state = t->state;
+    struct cell_lines flux = t->flux, state = t->state;
     const struct bases *lb = t->b[0], *rb = t->b[1];
     const int at = t->at, n = t->n;
     const double *minus = t->w->speed[MINUS] + at, *entropy = t->w->speed[ENTROPY] + at, *plus = t->w->speed[PLUS] + at;
@@ -103,7 +103,7 @@ ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const
     EACH_ALONE
     for (int i = 0; i < n; i++) {
         const int j = at + i;
-        const struct rows l = rows_at(dim, lb, j), r = two ? rows_at(dim, rb, j) : l;
+        const struct eigenrows l = rows_at(dim, lb, j), r = two ? rows_at(dim, rb, j) : l;
         const struct wind w[FAMILIES] = {wind_at(minus[i]), wind_at(entropy[i]), wind_at(plus[i])};
         UNROLL
         for (int pair = 0; pair < pairs; pair++) {

@@ -36,12 +36,12 @@ struct winds { /* per family: UPWIND_LEFT, UPWIND_RIGHT, or the speed alpha >= 0
 struct fields { /* amplitudes of one cell in the fields u - c, entropy, shears, u + c */
     double minus, entropy, shear[2], plus;
 };
-struct rows { /* left eigenvectors of one face */
+struct eigenrows { /* left eigenvectors of one face */
     double u[MAX_DIM], half_b1, half_b2, half_inverse_c;
 };
 
-ALWAYS_INLINE struct rows rows_at(const int dim, const struct bases *restrict b, int i) {
-    struct rows l = {{b->u[0][i], 0, 0}, b->half_b1[i], b->half_b2[i], b->half_inverse_c[i]};
+ALWAYS_INLINE struct eigenrows rows_at(const int dim, const struct bases *restrict b, int i) {
+    struct eigenrows l = {{b->u[0][i], 0, 0}, b->half_b1[i], b->half_b2[i], b->half_inverse_c[i]};
     if (dim > 1) l.u[1] = b->u[1][i];
     if (dim > 2) l.u[2] = b->u[2][i];
     return l;
@@ -50,7 +50,7 @@ ALWAYS_INLINE struct rows rows_at(const int dim, const struct bases *restrict b,
 /* Projects cell i of q, with q_n in place of q[1][i], on the left eigenvectors. With s = (b2 q0 - b1 (u.q - q_E))/2 and
  * d = (q_n - u_n q0)/(2c), the rows of L (docs/physics.md 6.1) are l_- q = s - d,  l_0 q = q0 - 2 s,  l_j q = q_j - u_j
  * q0,  l_+ q = s + d. The compiler drops the fields that are not used. */
-ALWAYS_INLINE struct fields project(const int dim, const struct rows l, const double *const q[MAX_VAR], long i,
+ALWAYS_INLINE struct fields project(const int dim, const struct eigenrows l, const double *const q[MAX_VAR], long i,
                                     double qn) {
     double q0 = q[0][i], work = fma(l.u[0], qn, -q[dim + 1][i]);
     struct fields w = {0};

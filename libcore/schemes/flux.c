@@ -445,7 +445,7 @@ static void excess_of(const struct faces *f, const struct two_bases *t, struct e
 struct change {
     double p, normal, tangent[2], entropy;
 };
-ALWAYS_INLINE struct change change_of(const int dim, const struct rows l, const double *const q[MAX_VAR], int i) {
+ALWAYS_INLINE struct change change_of(const int dim, const struct eigenrows l, const double *const q[MAX_VAR], int i) {
     const struct fields w = project(dim, l, q, i, q[1][i]);
     return (struct change){w.plus + w.minus, w.plus - w.minus, {w.shear[0], w.shear[1]}, w.entropy};
 }
@@ -474,7 +474,7 @@ ALWAYS_INLINE void tame_dim(const int dim, int n, const struct two_bases *restri
         dU[v] = e->jump[v];
     }
     for (int i = 0; i < n; i++) {
-        const struct rows l = rows_at(dim, mean, i);
+        const struct eigenrows l = rows_at(dim, mean, i);
         const struct change a = change_of(dim, l, D, i), b = change_of(dim, l, dU, i);
         double c = mean->c[i], weight = 0.5 * (entropy_weight(&x->s[0], i) + entropy_weight(&x->s[1], i));
         double ab = product(c * c, weight, a, b), bb = product(c * c, weight, b, b);

@@ -6,11 +6,11 @@
  * pressure m = weight of motion on F is that of the flux. F is single, so that all is conserved. */
 #include "libcore/schemes/flux_private.h"
 
-struct calm { /* are some faces of a batch, or all, at rest: w > 0, w = 1? */
+struct at_rest { /* are some faces of a batch, or all, at rest: w > 0, w = 1? */
     bool some, all;
 };
 /* Computes w. */
-KERNEL static struct calm calm_part(const struct faces *f, double *restrict part) {
+KERNEL static struct at_rest calm_part(const struct faces *f, double *restrict part) {
     const double *rho = f->state[0], *p = f->p, *c = f->c, *u = f->velocity[0];
     const double *low = f->base[0], *high = f->base[1], *P = f->rest;
     const long d = f->stride;
@@ -23,7 +23,7 @@ KERNEL static struct calm calm_part(const struct faces *f, double *restrict part
         some |= is(part[i] > 0);
         open |= is(part[i] < 1);
     }
-    return (struct calm){some != 0, open == 0};
+    return (struct at_rest){some != 0, open == 0};
 }
 
 KERNEL static void mix(int n, const double *restrict part, const double *restrict calm, double *restrict out) {
@@ -33,7 +33,7 @@ KERNEL static void mix(int n, const double *restrict part, const double *restric
 void flux_calmed(const struct flux *flux, const struct faces *f, const struct eos *eos, const struct material *m,
                  const struct reconstruct *r) {
     double part[BATCH], out[MAX_VAR][BATCH];
-    const struct calm calm = flux->damps ? calm_part(f, part) : (struct calm){false, false};
+    const struct at_rest calm = flux->damps ? calm_part(f, part) : (struct at_rest){false, false};
     struct faces common = *f;
     if (!calm.all) flux->through(f, eos, m, r);
     if (!calm.some) return;

@@ -54,12 +54,12 @@ void flux_sided_pressure(const struct faces *f, int side, const struct reconstru
  *   in and the pressure differs 2 times gives its cells a speed, and the other faces of these cells and of those beside
  *   take it): entropy and shears are split with that speed. Else nothing damps them along a front that stands along a
  *   line of the mesh, and it breaks up (the carbuncle of Quirk 1994). Where waves run both ways, and cells differ. */
-struct span { /* faces from .. to - 1 of a batch; none if from >= to */
+struct face_span { /* faces from .. to - 1 of a batch; none if from >= to */
     int from, to;
 };
 struct rules { /* 1 where a face follows a rule, else 0 */
     double shock[BATCH], expansion[BATCH], contact[BATCH];
-    struct span shocks, contacts; /* the faces outside follow no such rule; the arrays are set inside */
+    struct face_span shocks, contacts; /* the faces outside follow no such rule; the arrays are set inside */
 };
 
 /* Gives the faces beside fronts, f->floor, another wind of entropy and shears. */

@@ -136,14 +136,14 @@ KERNEL static uint64_t find_rules(const struct faces *f, uint64_t on, const stru
 }
 
 /* Returns a span of whole groups, where the batch has as many, that holds all faces that are marked. */
-static struct span marked(int n, const double *mark) {
-    struct span s = {0, n};
+static struct face_span marked(int n, const double *mark) {
+    struct face_span s = {0, n};
     while (s.to > 0 && !(mark[s.to - 1] > 0)) s.to--;
     while (s.from < s.to && !(mark[s.from] > 0)) s.from++;
     const int length = (s.to - s.from + GROUP - 1) / GROUP * GROUP;
-    if (length > n) return (struct span){0, n};
+    if (length > n) return (struct face_span){0, n};
     if (s.from > n - length) s.from = n - length;
-    return (struct span){s.from, s.from + length};
+    return (struct face_span){s.from, s.from + length};
 }
 
 /* Returns the share of the larger speed that damps an expansion: 0.5 in dilute gas, less where the isentrope is steep
@@ -191,7 +191,7 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     const struct wanted_rules wanted = rules_wanted(f->params, true, f->falls);
     const uint64_t on =
         (wanted.shocks ? SHOCK : 0) | (wanted.expansions ? EXPANSION : 0) | (wanted.contacts ? CONTACT : 0);
-    r->shocks = r->contacts = (struct span){0, 0};
+    r->shocks = r->contacts = (struct face_span){0, 0};
     if (f->rule) take_rules(f, w, r);
     if (f->rule || !f->p || !on) return;
     const uint64_t any = find_rules(f, on, w, r);
@@ -307,7 +307,7 @@ ALWAYS_INLINE void through_contact(int dim, const struct side q[2], int i, doubl
 }
 
 /* Returns the faces of a span alone. */
-static struct faces faces_of(const struct faces *f, struct span s) {
+static struct faces faces_of(const struct faces *f, struct face_span s) {
     struct faces part = *f;
     part.n = s.to - s.from;
     for (int v = 0; v < f->dim + 2; v++) {

@@ -44,12 +44,12 @@ ALWAYS_INLINE void take_calm(const int *restrict cell, const struct calm *restri
  * cell's own u. This map is linear, so it takes polynomials to polynomials of the same degree, and cell averages to
  * averages; what is done in this frame cannot depend on the observer's speed, and at high Mach numbers it sees the
  * internal energy, which in E is no more than the noise. There E' = rho eps, and the variables have scales. */
-struct frame {
+struct moving_frame {
     double velocity[MAX_DIM][LANES], half_square[LANES];
     double square[MAX_VAR][LANES]; /* squares of the scales rho, rho sqrt(2 eps), rho eps */
     double energy[LANES];          /* rho eps */
 };
-ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct frame *restrict f) {
+ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct moving_frame *restrict f) {
     EACH_LANE {
         double rho = own[0][l], sum = 0;
         for (int k = 0; k < m; k++) {
@@ -65,7 +65,7 @@ ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct frame
     }
 }
 /* Moves lines of (rho, m, E), or of their differences, into the frame (sign -1) or out of it (1). */
-ALWAYS_INLINE void boost(int m, double sign, const struct frame *restrict f, double *const *line) {
+ALWAYS_INLINE void boost(int m, double sign, const struct moving_frame *restrict f, double *const *line) {
     double *restrict rho = line[0], *restrict E = line[m + 1], dot[LANES] = {0};
     for (int k = 0; k < m; k++) {
         double *restrict q = line[k + 1];
@@ -120,7 +120,7 @@ ALWAYS_INLINE void limit(int dim, const struct rows *halfway, int batch, const d
 
 struct batch {
     double own[MAX_VAR][LANES]; /* averages of the cells */
-    struct frame frame;
+    struct moving_frame frame;
     struct bounds bounds[MAX_VAR]; /* in their frames */
 };
 /* Computes the coefficients a of the polynomials of the whole stencils, in the frames of the cells. */
@@ -158,7 +158,8 @@ ALWAYS_INLINE double *values_of(const struct fit *f, int batch, int v, int j) {
 /* Do the bounds of the changes alone, widened by `over` of their range, say that all states keep their distance? In
  * smooth gas they do, and no point is looked at. */
 ALWAYS_INLINE bool bounds_kept(int m, const struct fit *f, const double *restrict mean,
-                               const struct frame *restrict frame, const struct bounds *restrict b, double over) {
+                               const struct moving_frame *restrict frame, const struct bounds *restrict b,
+                               double over) {
     double square[LANES] = {0}, lost[LANES], any = 0;
     for (int k = 1; k <= m; k++) EACH_LANE {
             const double wider = over * (b[k].high[l] - b[k].low[l]), most = wider + larger(b[k].high[l], -b[k].low[l]);
@@ -179,7 +180,7 @@ ALWAYS_INLINE bool bounds_kept(int m, const struct fit *f, const double *restric
 
 /* Do the states at all face points of the cells keep their distance from the edge of the admissible set? (NaN: no) */
 ALWAYS_INLINE bool all_kept(int m, const struct fit *f, int batch, const double *restrict mean,
-                            const struct frame *restrict frame) {
+                            const struct moving_frame *restrict frame) {
     double low[LANES], high[LANES], warm[LANES], lost[LANES] = {0};
     EACH_LANE {
         low[l] = smaller(f->least + KEPT * (mean[l] - f->least), mean[l]) - mean[l];
@@ -206,7 +207,7 @@ ALWAYS_INLINE bool all_kept(int m, const struct fit *f, int batch, const double 
  * factors of their own, more mass would leave a cell at all its faces than it has (docs/physics.md 7.3). rho e is
  * concave: on the way to the average it rises at least linearly. */
 ALWAYS_INLINE void draw_points(int m, const struct fit *f, int batch, const double *restrict mean,
-                               const struct frame *restrict frame) {
+                               const struct moving_frame *restrict frame) {
     double theta[LANES];
     EACH_LANE theta[l] = frame->energy[l] > 0 ? 1 : 0;
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
@@ -239,7 +240,7 @@ ALWAYS_INLINE void draw_points(int m, const struct fit *f, int batch, const doub
 /* Turns changes at face points, in the frame of the cell, into values. */
 ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, const struct batch *restrict c, double over) {
     const double(*own)[LANES] = c->own;
-    const struct frame *frame = &c->frame;
+    const struct moving_frame *frame = &c->frame;
     if (f->most > 0 && !bounds_kept(m, f, own[0], frame, c->bounds, over) && !all_kept(m, f, batch, own[0], frame))
         draw_points(m, f, batch, own[0], frame);
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
@@ -310,14 +311,15 @@ ALWAYS_INLINE int product(int dim, int i, int j) { /* place of x_i x_j, i <= j, 
     return dim + i * dim - i * (i - 1) / 2 + j - i;
 }
 
-ALWAYS_INLINE void boost_all(int m, int each, const struct frame *restrict frame, double (*restrict g)[LANES]) {
+ALWAYS_INLINE void boost_all(int m, int each, const struct moving_frame *restrict frame, double (*restrict g)[LANES]) {
     double *line[MAX_VAR];
     for (int i = 0; i < each; i++) {
         for (int v = 0; v < m + 2; v++) line[v] = g[v * each + i];
         boost(m, -1, frame, line);
     }
 }
-KERNEL static void boost_sectors(int m, int each, const struct frame *restrict frame, double (*restrict g)[LANES]) {
+KERNEL static void boost_sectors(int m, int each, const struct moving_frame *restrict frame,
+                                 double (*restrict g)[LANES]) {
     if (m == 1) boost_all(1, each, frame, g);
     if (m == 2) boost_all(2, each, frame, g);
     if (m == 3) boost_all(3, each, frame, g);
@@ -325,7 +327,7 @@ KERNEL static void boost_sectors(int m, int each, const struct frame *restrict f
 
 /* Computes the gradients g[v][s][k] of the sectors in the frame of the cell. */
 ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int batch, int sectors, const double *const *U,
-                                    double (*restrict own)[LANES], const struct frame *restrict frame,
+                                    double (*restrict own)[LANES], const struct moving_frame *restrict frame,
                                     double (*restrict g)[LANES]) {
     const int each = sectors * dim;
     double d[LANES];
@@ -392,8 +394,8 @@ ALWAYS_INLINE void weigh(const double *restrict share, int sectors, const double
 /* Turns a, the coefficients of P_opt, into those of P with the gradients g of the sectors; w is room for their
  * weights. */
 ALWAYS_INLINE void combine(int dim, int m, const double *restrict share, int sectors,
-                           const struct frame *restrict frame, double (*restrict g)[LANES], double (*restrict w)[LANES],
-                           double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+                           const struct moving_frame *restrict frame, double (*restrict g)[LANES],
+                           double (*restrict w)[LANES], double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     const int each = sectors * dim;
     double I[LANES] = {0}, central[LANES], inverse[MAX_VAR][LANES];
     for (int v = 0; v < m + 2; v++) {

@@ -262,7 +262,7 @@ static void find_rates(struct segregation_field *s) {
     for (long c = 0; c < s->cells; c++) {
         double flow = 0, spread = 0;
         for (int k = 0; k < l->dim; k++) {
-            struct sides f = sides_of(s, k, c);
+            struct cell_faces f = sides_of(s, k, c);
             double out = larger(l->u[k][f.high] + fabs(l->f[k][f.high]), 0),
                    in = larger(fabs(l->f[k][f.low]) - l->u[k][f.low], 0);
             flow += s->ease[c] * (out + in) / l->width[k];

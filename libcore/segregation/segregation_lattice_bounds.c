@@ -6,7 +6,7 @@ enum { ROUNDS = 1000 }; /* of limiting in balance, before each face is limited w
 
 static const double ROUND = 1e-15; /* an excess of phi beyond its bounds up to this is round-off */
 
-bool segregation_beside_coarse(const struct segregation_field *s, int k, long cell, struct sides sides) {
+bool segregation_beside_coarse(const struct segregation_field *s, int k, long cell, struct cell_faces sides) {
     const struct segregation_lattice *l = &s->lattice;
     const long i = cell / s->stride[k] % l->n[k];
     const double enough = 2 / l->width[k];
@@ -77,7 +77,7 @@ static void find_bounds(struct segregation_field *s, const double *phi) {
 static void limit_cell(struct segregation_field *s, double dt, long c) {
     double gain = 0, loss = 0;
     for (int k = 0; k < s->lattice.dim; k++) {
-        struct sides f = sides_of(s, k, c);
+        struct cell_faces f = sides_of(s, k, c);
         double per = dt * s->ease[c] / s->lattice.width[k], in = s->flux[k][f.low], out = s->flux[k][f.high];
         gain += per * (larger(in, 0) - smaller(out, 0));
         loss += per * (larger(out, 0) - smaller(in, 0));
@@ -85,7 +85,7 @@ static void limit_cell(struct segregation_field *s, double dt, long c) {
     const double room = larger(s->most[c] - s->low[c], 0), stock = larger(s->low[c] - s->least[c], 0);
     const double gains = gain > room ? room / gain : 1, losses = loss > stock ? stock / loss : 1;
     for (int k = 0; k < s->lattice.dim; k++) {
-        struct sides f = sides_of(s, k, c);
+        struct cell_faces f = sides_of(s, k, c);
         s->part[k][f.low] = smaller(s->part[k][f.low], s->flux[k][f.low] > 0 ? gains : losses);
         s->part[k][f.high] = smaller(s->part[k][f.high], s->flux[k][f.high] > 0 ? losses : gains);
     }
@@ -94,7 +94,7 @@ static void limit_cell(struct segregation_field *s, double dt, long c) {
 static double limited(const struct segregation_field *s, double dt, long c) {
     double out = s->low[c];
     for (int k = 0; k < s->lattice.dim; k++) {
-        struct sides f = sides_of(s, k, c);
+        struct cell_faces f = sides_of(s, k, c);
         out -= dt * s->ease[c] / s->lattice.width[k] *
                (s->part[k][f.high] * s->flux[k][f.high] - s->part[k][f.low] * s->flux[k][f.low]);
     }
@@ -138,7 +138,7 @@ static bool watch(struct segregation_field *s, double dt, double slack) {
 static void relieve_cell(struct segregation_field *s, double dt, long c, double *const share[MAX_DIM]) {
     double gain = 0, loss = 0;
     for (int k = 0; k < s->lattice.dim; k++) {
-        const struct sides f = sides_of(s, k, c);
+        const struct cell_faces f = sides_of(s, k, c);
         const double per = dt * s->ease[c] / s->lattice.width[k];
         const double in = s->part[k][f.low] * s->flux[k][f.low], out = s->part[k][f.high] * s->flux[k][f.high];
         gain += per * (larger(in, 0) - smaller(out, 0));
@@ -147,7 +147,7 @@ static void relieve_cell(struct segregation_field *s, double dt, long c, double 
     const double over = larger(s->next[c] - s->most[c], 0), under = larger(s->least[c] - s->next[c], 0);
     const double gains = over < gain ? 1 - over / gain : 0, losses = under < loss ? 1 - under / loss : 0;
     for (int k = 0; k < s->lattice.dim; k++) {
-        const struct sides f = sides_of(s, k, c);
+        const struct cell_faces f = sides_of(s, k, c);
         const double low = s->flux[k][f.low] > 0 ? gains : losses, high = s->flux[k][f.high] > 0 ? losses : gains;
         share[k][f.low] = smaller(share[k][f.low], s->part[k][f.low] * low);
         share[k][f.high] = smaller(share[k][f.high], s->part[k][f.high] * high);

@@ -57,20 +57,20 @@ static void seam_flux(const struct segregation_field *s, flux_function *function
 /* Computes the flux into the domain. A given phi holds on the face, half a cell away; where that is too coarse for
  * |u| + |f| <= D / (h/2), the flux is that of Engquist and Osher, which lets phi in as far as its waves run in.
  * Elsewhere phi of the cell holds on the face. Both keep 0 .. 1 and change no walls, where u, f and D are 0. */
-static struct edge inward(double u, double f, double g, const double *given, double phi) {
+static struct boundary_flux inward(double u, double f, double g, const double *given, double phi) {
     const double wave = u + f * (1 - 2 * phi);
-    if (!given) return (struct edge){phi * (u + f * (1 - phi)), wave};
-    if (fabs(u) + fabs(f) <= g) return (struct edge){*given * (u + f * (1 - *given)) - g * (phi - *given), -g};
+    if (!given) return (struct boundary_flux){phi * (u + f * (1 - phi)), wave};
+    if (fabs(u) + fabs(f) <= g) return (struct boundary_flux){*given * (u + f * (1 - *given)) - g * (phi - *given), -g};
     double flux;
     monotone_flux_lattice(1, g, given, &phi, &u, &f, &(double){1}, &flux);
-    return (struct edge){flux, ((f >= 0) == (phi > turn_of(u, f)) ? wave : 0) - g};
+    return (struct boundary_flux){flux, ((f >= 0) == (phi > turn_of(u, f)) ? wave : 0) - g};
 }
-struct edge segregation_edge(const struct segregation_field *s, int k, bool high, long face, double phi) {
+struct boundary_flux segregation_edge(const struct segregation_field *s, int k, bool high, long face, double phi) {
     const struct segregation_lattice *l = &s->lattice;
     const double sign = high ? -1 : 1, g = l->D[k][face] * (2 / l->width[k]);
-    const struct edge in =
+    const struct boundary_flux in =
         inward(sign * l->u[k][face], sign * l->f[k][face], g, fixed_on(l, k, face) ? l->value[k] + face : NULL, phi);
-    return (struct edge){sign * in.flux, sign * in.slope};
+    return (struct boundary_flux){sign * in.flux, sign * in.slope};
 }
 static void boundary_flux(const struct segregation_field *s, int k, bool high, const double *phi, double *flux) {
     const long across = s->stride[k], n = s->lattice.n[k];

@@ -45,12 +45,12 @@ static inline long outer_count(const struct segregation_field *s, int k) {
     return s->cells / (s->lattice.n[k] * s->stride[k]);
 }
 
-struct sides { /* faces of a cell along an axis */
+struct cell_faces { /* faces of a cell along an axis */
     long low, high;
 };
-static inline struct sides sides_of(const struct segregation_field *s, int k, long c) {
+static inline struct cell_faces sides_of(const struct segregation_field *s, int k, long c) {
     const long block = s->lattice.n[k] * s->stride[k], low = c + c / block * s->stride[k];
-    return (struct sides){low, low + s->stride[k]};
+    return (struct cell_faces){low, low + s->stride[k]};
 }
 
 /* Sets the flux on all faces at phi, whose layers on other ranks s->slab has then: central, or monotone (Engquist &
@@ -59,10 +59,11 @@ void segregation_take_flux(struct segregation_field *s, bool monotone, const dou
 /* Subtracts dt/capacity div flux from out. */
 void segregation_subtract(const struct segregation_field *s, double dt, double *const flux[MAX_DIM], double *out);
 
-struct edge { /* the flux along the axis on a face of the boundary, and its derivative to phi of the cell beside it */
+struct boundary_flux { /* the flux along the axis on a face of the boundary, and its derivative to phi of the cell
+                          beside it */
     double flux, slope;
 };
-struct edge segregation_edge(const struct segregation_field *s, int k, bool high, long face, double phi);
+struct boundary_flux segregation_edge(const struct segregation_field *s, int k, bool high, long face, double phi);
 /* Is phi given on the face? */
 static inline bool fixed_on(const struct segregation_lattice *l, int k, long face) {
     return l->fixed[k] && l->fixed[k][face];
@@ -82,7 +83,7 @@ void segregation_backward(long n, const double *above, const double *behind, dou
 void segregation_solve_slabs(struct segregation_field *s, double dt, double late, const double *phi);
 
 /* Is the flux through an inner face of the cell not monotone? */
-bool segregation_beside_coarse(const struct segregation_field *s, int k, long cell, struct sides sides);
+bool segregation_beside_coarse(const struct segregation_field *s, int k, long cell, struct cell_faces sides);
 /* Brings s->next within its bounds; s->flux becomes its excess over the low flux. */
 void segregation_bound_lattice(struct segregation_field *s, double dt, const double *phi);
 

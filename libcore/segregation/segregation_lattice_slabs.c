@@ -6,7 +6,7 @@
 
 /* What stands in arrays that are free meanwhile: [faces] the Jacobian to the cells below and above, [cells] the
  * eliminated matrix, and the solution that closes cyclic lines (Sherman & Morrison). */
-struct sweep {
+struct slab_sweep {
     struct segregation_field *s;
     const struct comm *comm;
     double part; /* late dt / width */
@@ -17,15 +17,15 @@ struct sweep {
     double *up, *down, *above, *seam;
 };
 
-static void load(const struct sweep *w, long n, const double *from, double *to) {
+static void load(const struct slab_sweep *w, long n, const double *from, double *to) {
     for (long i = 0; i < n; i++) memcpy(to + i * LINES, from + i * w->across + w->first, w->bytes);
 }
-static void store(const struct sweep *w, long n, const double *from, double *to) {
+static void store(const struct slab_sweep *w, long n, const double *from, double *to) {
     for (long i = 0; i < n; i++) memcpy(to + i * w->across + w->first, from + i * LINES, w->bytes);
 }
 
 /* Sets the Jacobian on all faces, 0 towards cells that are not there. */
-static void assemble(const struct sweep *w, const double *phi) {
+static void assemble(const struct slab_sweep *w, const double *phi) {
     const struct segregation_field *s = w->s;
     const struct segregation_lattice *l = &s->lattice;
     const double *u = l->u[w->k], *f = l->f[w->k], *D = l->D[w->k], per = 1 / l->width[w->k];
@@ -47,14 +47,14 @@ static void assemble(const struct sweep *w, const double *phi) {
 }
 
 /* Returns what stands in the corner of a cyclic matrix, for a line of rank 0, and the first entry of its seam. */
-static double corner_of(const struct sweep *w, long line, double *shift) {
+static double corner_of(const struct slab_sweep *w, long line, double *shift) {
     const double first = w->part * w->s->ease[line];
     *shift = -(1 + first * (w->up[w->across + line] - w->down[line]));
     return -first * w->up[line] / *shift;
 }
 
 /* Begins the seam of cyclic lines on rank 0 and ends it on the last rank, and takes its share off the matrix. */
-static void set_seam(const struct sweep *w, double *corner, double *up, double *down) {
+static void set_seam(const struct slab_sweep *w, double *corner, double *up, double *down) {
     double *seam = w->s->line_seam;
     const double *ease = w->s->line_ease;
     const long last = (w->n - 1) * LINES, count = (long)(w->bytes / sizeof *corner);
@@ -73,7 +73,7 @@ static void set_seam(const struct sweep *w, double *corner, double *up, double *
 
 /* Eliminates a batch from the first layer to the last. A message holds `above` and `right` of the layer before, and of
  * cyclic lines again `above`, the seam and the corner. */
-static void go_up(const struct sweep *w) {
+static void go_up(const struct slab_sweep *w) {
     struct segregation_field *s = w->s;
     double message[5 * LINES] = {0}, *corner = message + 4 * LINES, *right = s->line_right, *up = s->line_up;
     double *above = s->line_above, *down = s->line_down;
@@ -102,7 +102,7 @@ static void go_up(const struct sweep *w) {
 /* Solves a batch from the last layer to the first. A message holds the solution in the layer behind, and of cyclic
  * lines the seam there, and both in the last layer of all. On rank 0 `factor` becomes the share of the seam that closes
  * the line. */
-static void go_down(const struct sweep *w, double *factor) {
+static void go_down(const struct slab_sweep *w, double *factor) {
     struct segregation_field *s = w->s;
     double message[4 * LINES] = {0}, *right = s->line_right, *seam = s->line_seam;
     const long last = (w->n - 1) * LINES, size = (w->cyclic ? 4 : 1) * LINES;
@@ -139,7 +139,7 @@ KERNEL static void add_implicit_flux(long n, double late, const double *restrict
     for (long i = 0; i < n; i++) flux[i] += late * (up[i] * below[i] + down[i] * above[i]);
 }
 
-static void add_fluxes(const struct sweep *w, double late) {
+static void add_fluxes(const struct slab_sweep *w, double late) {
     struct segregation_field *s = w->s;
     const long across = w->across, end = w->n * across;
     double *change = s->change, *flux = s->flux[w->k];
@@ -149,7 +149,7 @@ static void add_fluxes(const struct sweep *w, double late) {
     add_implicit_flux(across, late, w->up + end, w->down + end, change + end - across, s->slab.above, flux + end);
 }
 
-static void take_batch(struct sweep *w, long first) {
+static void take_batch(struct slab_sweep *w, long first) {
     const long left = w->across - first;
     w->first = first;
     w->bytes = (size_t)(left < LINES ? left : LINES) * sizeof(double);
@@ -157,19 +157,19 @@ static void take_batch(struct sweep *w, long first) {
 
 void segregation_solve_slabs(struct segregation_field *s, double dt, double late, const double *phi) {
     const int k = s->lattice.dim - 1;
-    struct sweep w = {.s = s,
-                      .comm = s->slab.comm,
-                      .part = late * dt / s->lattice.width[k],
-                      .cyclic = s->lattice.cyclic[k],
-                      .k = k,
-                      .rank = comm_rank(s->slab.comm),
-                      .ranks = comm_size(s->slab.comm),
-                      .n = s->lattice.n[k],
-                      .across = s->stride[k],
-                      .up = s->part[k],
-                      .down = s->low_flux[k],
-                      .above = s->low,
-                      .seam = s->next};
+    struct slab_sweep w = {.s = s,
+                           .comm = s->slab.comm,
+                           .part = late * dt / s->lattice.width[k],
+                           .cyclic = s->lattice.cyclic[k],
+                           .k = k,
+                           .rank = comm_rank(s->slab.comm),
+                           .ranks = comm_size(s->slab.comm),
+                           .n = s->lattice.n[k],
+                           .across = s->stride[k],
+                           .up = s->part[k],
+                           .down = s->low_flux[k],
+                           .above = s->low,
+                           .seam = s->next};
     double *factor = s->low_slab.first; /* [across], free until the next swap */
     assemble(&w, phi);
     for (long first = 0; first < w.across; first += LINES) {
