@@ -3,9 +3,9 @@
 import numpy as np
 
 import haff
-from haff.exact.riemann import BLAST, Riemann
 from haff.plot import figures, script
 from haff.runs import expected
+from studies.exact.riemann import BLAST, Riemann
 
 case = haff.Case(script.folder())
 time = case.times[-1]

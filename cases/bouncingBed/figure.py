@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 
+from haff.layers import columns, faraday
 from haff.plot import script
-from haff.studies import columns, faraday
 
 folder = script.folder()
 grains = columns.read(script.here("..", "bouncingBedMD", "profiles.csv"))

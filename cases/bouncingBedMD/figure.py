@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 
+from haff.layers import columns, faraday
 from haff.plot import script
-from haff.studies import columns, faraday
 
 SETTLED, PHASES = 4, (0.3, 0.6, 0.9)
 folder = script.folder()

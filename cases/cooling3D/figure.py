@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from haff.plot import clouds, script
-from haff.studies import clustering
+from studies.measured import clustering
 
 LOW, HIGH = 0.13, 0.36  # packing that begins to be seen, and that is seen best
 folder, kept = script.folder(), script.here("..", "cooling3DMD")

@@ -5,8 +5,8 @@ import sys
 import numpy as np
 
 import haff
-from haff.exact import disks
 from haff.plot import figures, script
+from studies.exact import disks
 
 NU, LENGTH, EARLY = 0.2, 240, "100"
 FIRST = {"across": 0.003, "density": 0.01}  # amplitudes in 0/U and 0/alpha

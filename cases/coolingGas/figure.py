@@ -8,9 +8,9 @@ import numpy as np
 
 import haff
 from haff.case import grains
-from haff.exact import enskog
 from haff.plot import figures, script
-from haff.runs import homogeneous
+from haff.start import enskog
+from studies.made import homogeneous
 
 path = script.folder()
 case = haff.Case(path)

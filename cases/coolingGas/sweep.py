@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-from haff.runs import homogeneous
+from studies.made import homogeneous
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SEEDS, GRAINS = 4, 10000

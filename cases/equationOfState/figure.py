@@ -2,8 +2,8 @@
 """p/(n T) of disks and spheres beside contact values and fits to other simulations (sweep.py)."""
 import numpy as np
 
-from haff.exact import enskog
 from haff.plot import figures, script
+from haff.start import enskog
 
 # For spheres below freezing Torquato's is Carnahan and Starling's.
 # Name, contact value, line, and where its name stands: the part of the curve it points at, alpha, percent.

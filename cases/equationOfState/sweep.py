@@ -6,8 +6,8 @@ import sys
 
 import numpy as np
 
-from haff.exact import enskog
-from haff.runs import homogeneous
+from haff.start import enskog
+from studies.made import homogeneous
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ELASTIC = {2: (0.1, 0.2, 0.3, 0.4, 0.5, 0.55, 0.6, 0.65), 3: (0.1, 0.2, 0.3, 0.4, 0.45, 0.49)}

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 
 from haff.case import grains
+from haff.layers import faraday
 from haff.plot import figures, script
-from haff.studies import faraday
 
 WIDTH, HEIGHT = 150, 32  # sigma: what is shown of the box
 layer = faraday.Layer(script.folder())

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 
 from haff.case import grains
+from haff.layers import faraday
 from haff.plot import figures, script
-from haff.studies import faraday
 
 WIDTH, HEIGHT = 150, 26  # sigma: what is shown of the box
 MODES = (300 / 50, 300 / 33)  # the waves whose growth is drawn, per length of 300

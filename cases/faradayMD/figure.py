@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 
 from haff.case import grains
+from haff.layers import faraday
 from haff.plot import figures, script
-from haff.studies import faraday
 
 SETTLED, WIDTH, HEIGHT = 20, 150, 26  # cycles until the pattern stands; sigma: what is shown of the box
 layer = faraday.Layer(script.folder())

@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 
+from haff.layers import faraday
 from haff.plot import figures, script
-from haff.studies import faraday
 
 SETTLED, HEIGHT, GRAVITY = 20, 25, 981.0
 layer = faraday.Layer(script.folder())

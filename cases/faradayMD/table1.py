@@ -21,8 +21,8 @@ import time
 import numpy as np
 
 from haff import command
-from haff.studies import faraday
-from haff.studies.faradayRows import acceleration, call, clear, copy, edit, has_mesh, mesh, numbers, paper, throw
+from haff.layers import faraday
+from studies.faradayRows import acceleration, call, clear, copy, edit, has_mesh, mesh, numbers, paper, throw
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 WARM = 2.75  # g: amplitude of -warm

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 
 import haff
-from haff.exact import disks
 from haff.plot import figures, script
+from studies.exact import disks
 
 folder = script.folder()
 variants = [(title, os.path.join(folder, sub)) for title, sub in (("$e$ = 1", "elastic"), ("$e$ = 0.95", ""),

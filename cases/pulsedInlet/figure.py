@@ -6,7 +6,7 @@ import numpy as np
 
 import haff
 from haff.plot import figures, script
-from haff.studies import bunches
+from studies.exact import bunches
 
 case = haff.Case(script.folder())
 time = case.times[-1]

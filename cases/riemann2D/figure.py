@@ -2,6 +2,6 @@
 """Density at the end."""
 import haff
 from haff.plot import script
-from haff.studies import crossCheckFigures
+from studies import crossCheckFigures
 
 crossCheckFigures.density(haff.Case(script.folder()), script.target("riemann2D"))

@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 
+from haff.layers import columns
 from haff.plot import script
-from haff.studies import columns
 
 DENSITY = 2600.0
 folder = script.folder()

@@ -5,9 +5,9 @@ import sys
 
 import numpy as np
 
-from haff.exact import enskog
+from haff.layers import columns
 from haff.plot import script
-from haff.studies import columns
+from haff.start import enskog
 
 T0, G = 9.81e-3, 9.81  # at the start; gravity
 FREE = {0.05: (0.02, 0.07), 0.1: (0.018, 0.035)}  # m: where neither floor nor the edge above has been felt

@@ -5,8 +5,8 @@ import sys
 import numpy as np
 
 import haff
-from haff.exact import segregation
 from haff.plot import figures, script
+from studies.exact import segregation
 
 H = 0.02
 case = haff.Case(script.folder())

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 
 from haff.plot import figures, script
-from haff.studies import mixture
+from studies.measured import mixture
 
 case = script.folder()
 t, y, phi = mixture.history(case)

@@ -6,9 +6,9 @@ import sys
 
 import numpy as np
 
-from haff.exact import segregation
 from haff.plot import figures, script
-from haff.studies import mixture
+from studies.exact import segregation
+from studies.measured import mixture
 
 case = script.folder()
 fig, axes = figures.panels(2, 2, width=7.0, height=2.5)

@@ -7,8 +7,8 @@ import sys
 
 import numpy as np
 
+from haff.layers import columns, faraday
 from haff.plot import figures, script
-from haff.studies import columns, faraday
 
 DIAMETER, GRAVITY = 1e-3, 9.81
 MOMENTS = 0.0782, 0.391, 3.91  # of the profiles: one, five and fifty times of free fall through the box

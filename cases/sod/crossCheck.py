@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What postprocessing/haff/studies/crossCheck.py needs to know of this case."""
+"""What postprocessing/studies/crossCheck.py needs to know of this case."""
 import numpy as np
 
-from haff.exact.eos import PerfectGas
-from haff.exact.riemann import Riemann
+from studies.exact.eos import PerfectGas
+from studies.exact.riemann import Riemann
 
 GRIDS, QUICK, COURANT = (100, 200, 400), (50, 100), 0.1
 LINES = {"shock": ((0.75, 0, 0), (0.95, 0, 0))}

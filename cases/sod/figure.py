@@ -3,9 +3,9 @@
 import numpy as np
 
 import haff
-from haff.exact.eos import PerfectGas
-from haff.exact.riemann import Riemann
 from haff.plot import figures, script
+from studies.exact.eos import PerfectGas
+from studies.exact.riemann import Riemann
 
 case = haff.Case(script.folder())
 x, *computed = case.line(("rho", "U", "p", "T"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What postprocessing/haff/studies/crossCheck.py needs to know of this case."""
+"""What postprocessing/studies/crossCheck.py needs to know of this case."""
 import numpy as np
 
 GRIDS, QUICK, COURANT = (20, 40, 80), (20, 40), 0.05

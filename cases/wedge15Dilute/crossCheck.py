@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What postprocessing/haff/studies/crossCheck.py needs to know of this case."""
+"""What postprocessing/studies/crossCheck.py needs to know of this case."""
 import numpy as np
 
-from haff.exact.eos import PerfectGas
-from haff.exact.obliqueShock import ObliqueShock
 from haff.plot import cellmap
+from studies.exact.eos import PerfectGas
+from studies.exact.obliqueShock import ObliqueShock
 
 WEDGE = np.radians(15)
 GRIDS, QUICK, COURANT = (20, 40, 80), (10, 20), 0.2

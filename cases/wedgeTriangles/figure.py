@@ -7,7 +7,7 @@ import numpy as np
 import haff
 from haff.plot import cellmap, figures, script
 from haff.runs import expected
-from haff.studies import shocks
+from studies.measured import shocks
 
 case = haff.Case(script.folder())
 alpha = case.field("alpha")

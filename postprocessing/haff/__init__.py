@@ -9,8 +9,9 @@
 haff.case    reads cases: meshes, fields, tables, grains (numpy)
 haff.plot    pictures (matplotlib)
 haff.runs    runs and compares cases
-haff.exact   references written independently of the solver: exact solutions, equations of state, closures
-haff.studies the studies behind the figures and reports of the papers
+haff.layers  measures layers on a plate
+haff.report  reports of runs as HTML
+haff.start   makes new cases
 
 `python3 -m haff -help` lists what can be called from the command line.
 """

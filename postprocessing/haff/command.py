@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 
-from haff.paths import lacking, program
+from haff.paths import TOP, lacking, program
 
 VERSION = "0.2.0"  # CMakeLists.txt has it, too
 
@@ -47,7 +47,7 @@ def version_text(name):
 LICENCE = """Licence GPL-3.0-or-later: GNU GPL version 3 or later <https://www.gnu.org/licenses/gpl-3.0.html>.
 This is free software: you may change and pass it on. There is NO WARRANTY, as far as the law permits."""
 
-PACKAGE = os.path.dirname(os.path.abspath(__file__))
+OURS = os.path.dirname(os.path.abspath(__file__)), os.path.join(TOP, "postprocessing", "studies")
 CURES = {FileNotFoundError: "No such file or folder", IsADirectoryError: "this is a folder, and a file is wanted here: rename or remove it",
          NotADirectoryError: "this is a file, and a folder is wanted here: rename or remove it", PermissionError: "permission denied; chmod gives it"}
 
@@ -73,12 +73,12 @@ class Reading:
 
 
 def is_meant(error):
-    """Was the error raised by a `raise` of this package, so that its text is for the user?"""
+    """Was the error raised by a `raise` of this package or of a study, so that its text is for the user?"""
     last = error.__traceback__
     while last and last.tb_next:
         last = last.tb_next
     code = last and last.tb_frame.f_code
-    return bool(last) and code.co_filename.startswith(PACKAGE) and code.co_code[last.tb_lasti] == dis.opmap["RAISE_VARARGS"]
+    return bool(last) and code.co_filename.startswith(OURS) and code.co_code[last.tb_lasti] == dis.opmap["RAISE_VARARGS"]
 
 
 def cure(text):

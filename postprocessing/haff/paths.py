@@ -9,9 +9,13 @@ import sys
 
 TOP = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")))
 
+WITHOUT_STUDIES = "this needs the studies, a part of the source tree of haff that is not installed: set HAFF_SOURCE to the folder of that tree"
+
 
 def lacking(module):
     """The message for a Python without such a module: which Python to take, or how this one gets it."""
+    if module == "studies":
+        return WITHOUT_STUDIES
     other = "/usr/bin/python3"
     take = f"take {other}, or  " if os.path.exists(other) and os.path.realpath(other) != os.path.realpath(sys.executable) else f"apt-get install python3-{module}, or  "
     return f"{sys.executable} has no {module}, which haff needs: {take}{sys.executable} -m pip install {module}"
@@ -63,3 +67,16 @@ def of_source(*parts):
     if not os.path.isdir(os.path.join(TOP, "cases")):
         raise FileNotFoundError(f"{path} is a part of the source tree of haff: set HAFF_SOURCE to its folder")
     return path
+
+
+def has_studies():
+    """Are the studies there? They lie in postprocessing/studies of the source tree, and no installation has them."""
+    return os.path.isdir(os.path.join(TOP, "postprocessing", "studies"))
+
+
+def find_studies():
+    """Lets Python find the package `studies`. FileNotFoundError without the source tree."""
+    if not has_studies():
+        raise FileNotFoundError(WITHOUT_STUDIES)
+    if (folder := os.path.join(TOP, "postprocessing")) not in sys.path:
+        sys.path.append(folder)

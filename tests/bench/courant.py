@@ -18,10 +18,10 @@ import numpy as np
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "postprocessing"))
 
-from haff.exact.eos import GoldshteinShapiro  # noqa: E402
 from haff.paths import folder_of_programs, of_source  # noqa: E402
-from haff.studies.workPrecision import Haff  # noqa: E402
-from haff.studies.workPrecisionProblems import PROBLEMS, Referenced  # noqa: E402
+from studies.exact.eos import GoldshteinShapiro  # noqa: E402
+from studies.workPrecision import Haff  # noqa: E402
+from studies.workPrecisionProblems import PROBLEMS, Referenced  # noqa: E402
 
 GAS = GoldshteinShapiro(1.0)
 SCHEME = {"flux": "common", "reconstruct": "WPENO5", "stepper": "SSPRK43"}

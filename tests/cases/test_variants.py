@@ -5,7 +5,7 @@ import unittest
 from tests.cases import harness
 from tests.cases.harness import expected
 
-from haff.runs import checkCases
+from studies.checks import checkCases
 
 LONGEST = 5  # seconds of processor time that a short variant may take
 

@@ -8,7 +8,7 @@ import subprocess
 import unittest
 
 from tests.cases import harness
-from haff.__main__ import COMMANDS
+from haff.__main__ import ALL
 
 TOP = harness.SOURCE
 FIGURES = {"serna": 8, "carrillo": 8, "shakeri": 8, "christov": 4}  # of each paper
@@ -50,7 +50,7 @@ def wrong(command):
         known = words_of(words[0])
         return f"the Allrun of {words[0]} does not read {words[1]}" if len(words) > 1 and known is not None and words[1] not in known else ""
     if program == "build/bin/haff":
-        return "" if words[0] in COMMANDS else f"haff has no command {words[0]}"
+        return "" if words[0] in ALL else f"haff has no command {words[0]}"
     return "" if os.access(os.path.join(TOP, program), os.X_OK) else f"there is no program {program}"
 
 

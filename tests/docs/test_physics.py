@@ -10,8 +10,8 @@ import unittest
 
 import numpy as np
 
-from haff.exact import enskog
-from haff.exact.eos import GoldshteinShapiro
+from haff.start import enskog
+from studies.exact.eos import GoldshteinShapiro
 from tests.cases import harness
 
 PAGE = "docs/physics.md"

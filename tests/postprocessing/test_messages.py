@@ -219,7 +219,7 @@ class Messages(harness.Folder, unittest.TestCase):
         """Names of no case, and no names at all."""
         nowhere = os.path.join(self.folder, "nowhere")
         self.look(nowhere, self.calls(nowhere, self.out()) + [[name, nowhere, nowhere] for name in haff_main.COMMANDS if name not in STUDIES])
-        for name in haff_main.COMMANDS:
+        for name in haff_main.ALL:
             with self.subTest(name):
                 code, out, said = called(name, "-help")
                 self.assertEqual((code, said), (0, ""))

@@ -15,12 +15,12 @@ import sys
 import tempfile
 
 from haff import command, paths
+from haff.case import boxes
 from haff.case.entries import EntryError
 from haff.openfoam import control, dictionary, functions, state
 from haff.openfoam.gas import Gas
 from haff.openfoam.mesh import Converted
 from haff.openfoam.report import Refused, Report
-from haff.runs import boxes
 from haff.start import newCase
 
 READ = {"constant": ("polyMesh", "thermophysicalProperties", "physicalProperties"),

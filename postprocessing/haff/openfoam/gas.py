@@ -5,7 +5,7 @@ import os
 from haff.openfoam import dictionary
 from haff.openfoam.dictionary import number
 from haff.openfoam.report import Refused
-from haff.runs.rhocentral import UNIVERSAL
+from haff.openfoam.rhocentral import UNIVERSAL
 
 AVOGADRO = 6.02214e26  # 1/kmol
 AIR = (28.96, 3.7e-10)  # kg/kmol, m: a molecule; others are as dense

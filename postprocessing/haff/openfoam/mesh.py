@@ -9,11 +9,12 @@ import warnings
 import numpy as np
 
 from haff.case import entries
+from haff.case import boxes
 from haff.case.blocks import mesh_of
 from haff.case.foam import FormatError
 from haff.openfoam import dictionary
+from haff.openfoam import rhocentral
 from haff.openfoam.report import Refused
-from haff.runs import boxes, rhocentral
 
 ALLOWED = ("patch", "wall", "empty", "symmetry", "symmetryPlane", "cyclic")
 CURES = {"wedge": "haff has no axisymmetry: mesh a sector of 90 or 180 degrees in three dimensions, with symmetryPlane on its sides, or a plane",

@@ -4,11 +4,11 @@ import os
 
 import numpy as np
 
+from haff.case import boxes
 from haff.case.case import is_time
 from haff.openfoam import dictionary, patches, setFields, values
 from haff.openfoam.dictionary import number
 from haff.openfoam.report import Refused
-from haff.runs import boxes
 
 DIMENSIONS = {"p": [1, -1, -2, 0], "T": [0, 0, 0, 1], "U": [0, 1, -1, 0]}
 

@@ -11,7 +11,7 @@ import os
 import runpy
 import sys
 
-from haff import command
+from haff import command, paths
 from haff.plot import figures
 
 
@@ -57,6 +57,8 @@ def main():
     path = os.path.join(case, "figure.py") if os.path.isdir(case) else case
     if not os.path.isfile(path):
         sys.exit(f"haff figure: {case} has no figure.py; haffPlot draws any case")
+    if paths.has_studies():
+        paths.find_studies()
     sys.argv = [path, *sys.argv[2:]]
     sys.exit(command.ended(f"haff figure {case}", lambda: runpy.run_path(path, run_name="__main__") and 0))
 

@@ -26,13 +26,15 @@ import numpy as np
 
 import haff
 from haff import command
-from haff.exact import obliqueShock
-from haff.exact.eos import GoldshteinShapiro, PerfectGas
-from haff.exact.riemann import BLAST, Riemann
+from haff.layers import columns, faraday
 from haff.paths import TOP, suggestion
 from haff.plot import cellmap
-from haff.runs import exactErrors
-from haff.studies import bunches, clustering, columns, faraday, shocks
+from studies.checks import errors
+from studies.exact import obliqueShock
+from studies.exact import bunches
+from studies.exact.eos import GoldshteinShapiro, PerfectGas
+from studies.exact.riemann import BLAST, Riemann
+from studies.measured import clustering, shocks
 
 REFERENCES = os.path.join(TOP, "postprocessing", "references")
 CASES = os.path.join(TOP, "cases")
@@ -274,7 +276,7 @@ def last_time(case, *_):
 
 
 QUANTITIES = {
-    **exactErrors.QUANTITIES,
+    **errors.QUANTITIES,
     "time at twice Haff's law": doubled,
     "time at twice Haff's law over the grains', less 1,": doubled_beside,
     "energy of motion over the grains', less 1,": cooled_beside,

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from haff.exact import enskog
+from haff.start import enskog
 
 AXES = "xyz"
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.harness import boxes
-from haff.exact.eos import GoldshteinShapiro
+from studies.exact.eos import GoldshteinShapiro
 
 GAS = GoldshteinShapiro(1.0)
 RHO, U, P = 200.0, (30.0, 20.0, 0.0), 900.0  # supersonic along both axes

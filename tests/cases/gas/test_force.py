@@ -7,8 +7,8 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
-from haff.exact.eos import GoldshteinShapiro
-from haff.exact.riemann import BLAST, Riemann
+from studies.exact.eos import GoldshteinShapiro
+from studies.exact.riemann import BLAST, Riemann
 
 LENGTH, FACE, END = 10.0, 5.0, 1.0
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.harness import boxes
-from haff.exact.riemann import BLAST
+from studies.exact.riemann import BLAST
 
 LENGTH, CELLS, END = 10.0, 60, 1.5
 FIELDS = ("rho", "U", "T", "p", "alpha")

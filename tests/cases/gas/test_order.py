@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Order of accuracy on a smooth simple wave in the granular gas (e = 1, no source), along an axis and along a diagonal.
 
-The solution is the exact one of postprocessing/haff/exact/simpleWave.py at t = 0.3 of breaking, in the L1 norm; the time step falls
+The solution is the exact one of postprocessing/studies/exact/simpleWave.py at t = 0.3 of breaking, in the L1 norm; the time step falls
 like h^(5/3), so that the third-order time scheme does not show. The least orders are those of issue and prototype.
 """
 import os
@@ -11,8 +11,8 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.harness import boxes
-from haff.exact.eos import GoldshteinShapiro
-from haff.exact.simpleWave import SETTINGS, SimpleWave
+from studies.exact.eos import GoldshteinShapiro
+from studies.exact.simpleWave import SETTINGS, SimpleWave
 
 LEAST = {"PHM": 1.9, "WPENO5": 3.4, "WENO5": 4.7, "WENOZ": 4.7, "TENO5": 4.7}
 SIZE = (1.0, 1.0, 0.1)

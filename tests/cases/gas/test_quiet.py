@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.harness import boxes
-from haff.exact.eos import GoldshteinShapiro
+from studies.exact.eos import GoldshteinShapiro
 
 GAS = GoldshteinShapiro(1.0)
 

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
 from tests.cases.runtime.test_energyBudget import ask
-from haff.exact.eos import GoldshteinShapiro
+from studies.exact.eos import GoldshteinShapiro
 
 RHO = 100.0
 ENGINES = ("lattice", "polyhedral")

@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.studies import clustering
+from studies.measured import clustering
 
 
 class CoolingMD(harness.Folder, unittest.TestCase):

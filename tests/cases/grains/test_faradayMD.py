@@ -11,8 +11,8 @@ from tests.cases import harness
 from tests.cases.harness import haff
 
 from haff.case import grains
-from haff.exact import enskog
-from haff.studies import faraday
+from haff.layers import faraday
+from haff.start import enskog
 
 
 class Short(harness.Folder):

@@ -9,8 +9,8 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.exact import enskog  # noqa: E402
-from haff.runs import homogeneous  # noqa: E402
+from haff.start import enskog  # noqa: E402
+from studies.made import homogeneous  # noqa: E402
 
 os.environ["PATH"] = harness.BIN + os.pathsep + os.environ["PATH"]
 

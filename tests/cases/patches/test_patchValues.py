@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
-from haff.exact.eos import TorquatoSpheres
+from studies.exact.eos import TorquatoSpheres
 
 N, SIZE, END = (6, 5, 1), (1.2, 1.0, 0.1), 0.02
 GAS = TorquatoSpheres(0.9)

@@ -5,7 +5,7 @@ import unittest
 from tests.cases import harness
 from tests.cases.harness import expected
 
-from haff.studies import shocks  # noqa: E402
+from studies.measured import shocks  # noqa: E402
 
 PERFECT = {"equationOfState": "perfectGas", "cooling": "none"}
 

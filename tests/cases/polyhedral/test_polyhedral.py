@@ -11,7 +11,7 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
-from haff.exact.eos import GoldshteinShapiro
+from studies.exact.eos import GoldshteinShapiro
 
 haff = harness.haff
 

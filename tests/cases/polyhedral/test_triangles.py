@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness, runs
-from haff.runs import triangles
+from studies.made import triangles
 
 haff = harness.haff
 

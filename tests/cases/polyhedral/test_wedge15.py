@@ -7,7 +7,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.harness import expected
 
-from haff.studies import shocks  # noqa: E402
+from studies.measured import shocks  # noqa: E402
 
 
 class Wedge15(harness.Folder, unittest.TestCase):

@@ -10,7 +10,7 @@ import unittest
 from tests.cases import harness
 from tests.cases.harness import expected
 
-from haff.studies import faradayRows
+from studies import faradayRows
 
 
 class CheckCases(harness.Folder, unittest.TestCase):

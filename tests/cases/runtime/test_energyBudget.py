@@ -9,7 +9,7 @@ import numpy as np
 from tests.cases import harness, runs
 from tests.cases.gas import test_limiter as limiter
 
-from haff.exact import disks  # noqa: E402
+from studies.exact import disks  # noqa: E402
 
 COLUMNS = ("t", "mass", "massFlow", "massFloor", "massResidual", "energy", "cooling", "gravity", "heat", "wallWork", "flow", "floors",
            "residual")

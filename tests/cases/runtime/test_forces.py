@@ -12,10 +12,10 @@ from tests.cases.gas import test_dense, test_limiter, test_uniformAxes
 from tests.cases.harness import boxes
 from tests.cases.polyhedral import test_acoustics
 
-from haff.exact import disks, obliqueShock  # noqa: E402
-from haff.exact.eos import PerfectGas  # noqa: E402
 from haff.runs import expected  # noqa: E402
-from haff.studies import shocks  # noqa: E402
+from studies.exact import disks, obliqueShock  # noqa: E402
+from studies.exact.eos import PerfectGas  # noqa: E402
+from studies.measured import shocks  # noqa: E402
 
 CAUSES = ("Gravity", "Walls", "Flow", "Sources", "Floors")
 BUDGET = "budget { type energyBudget; }\n"

@@ -9,8 +9,8 @@ import numpy as np
 from tests.cases import harness, runs
 from tests.cases.segregation import mixtures
 
-from haff.exact import segregation  # noqa: E402
-from haff.studies import mixture  # noqa: E402
+from studies.exact import segregation  # noqa: E402
+from studies.measured import mixture  # noqa: E402
 
 EXACT = os.path.join(harness.SOURCE, "tests", "oracles", "gray_chugunov_exact.csv")
 

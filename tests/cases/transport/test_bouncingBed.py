@@ -7,7 +7,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.transport.channels import replace
 
-from haff.studies import columns, faraday
+from haff.layers import columns, faraday
 
 EXTREMES = "extremes { type fieldMinMax; fields (alpha); writeControl timeStep; writeInterval 1; log false; }\n"
 

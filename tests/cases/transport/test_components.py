@@ -10,7 +10,7 @@ from tests.cases import harness, runs, sections
 from tests.cases.runtime import test_energyBudget as audit
 from tests.cases.transport.channels import replace
 
-from haff.exact import disks  # noqa: E402
+from studies.exact import disks  # noqa: E402
 
 # Polynomials of polyhedra are limited, where round-off may grow a thousandfold; on a lattice the same numbers are added.
 ENGINES = (("lattice", 2e-14), ("polyhedral", 2e-10))

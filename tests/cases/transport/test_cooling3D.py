@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Spheres that cool in a periodic cube: the shipped case in fewer cells, and faint waves beside linear theory (postprocessing/haff/exact/disks.py)."""
+"""Spheres that cool in a periodic cube: the shipped case in fewer cells, and faint waves beside linear theory (postprocessing/studies/exact/disks.py)."""
 import os
 import unittest
 
@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.exact import disks, garzoDufty
+from studies.exact import disks, garzoDufty
 
 NU, E, FAINT = 0.1, 0.8, 1e-6
 

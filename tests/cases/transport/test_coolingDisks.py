@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A cooling gas of disks with viscosity and heat conduction: Haff's law, and the linear theory of its waves
-(postprocessing/haff/exact/disks.py)."""
+(postprocessing/studies/exact/disks.py)."""
 import os
 import unittest
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.exact import disks  # noqa: E402
+from studies.exact import disks  # noqa: E402
 
 NU, E, FAINT = 0.2, 0.9, 1e-6
 

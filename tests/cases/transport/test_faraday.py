@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.studies import faraday
+from haff.layers import faraday
 
 
 class Faraday(harness.Folder, unittest.TestCase):

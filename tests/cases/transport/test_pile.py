@@ -8,7 +8,8 @@ import numpy as np
 
 from tests.cases import harness, runs, sections
 
-from haff.exact import enskog, garzoDufty  # noqa: E402
+from haff.start import enskog  # noqa: E402
+from studies.exact import garzoDufty  # noqa: E402
 
 SIGMA = 0.1
 

@@ -13,7 +13,7 @@ from tests.cases import harness, runs
 from tests.cases.runtime import test_energyBudget as audit
 from tests.cases.transport.channels import POLYHEDRAL, friction, replace
 
-from haff.exact import disks  # noqa: E402
+from studies.exact import disks  # noqa: E402
 
 LID = "type JohnsonJacksonSlip; specularityCoefficient 1; restitutionCoefficient 0.97; value uniform "
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.exact import enskog
-from haff.studies import columns, faraday
+from haff.layers import columns, faraday
+from haff.start import enskog
 from tests.cases.transport.channels import replace
 
 NUMBER = 6 / np.pi  # grains per mm^3 and packing

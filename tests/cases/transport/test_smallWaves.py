@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.cases import harness, runs
 
-from haff.exact import garzoDufty  # noqa: E402
+from studies.exact import garzoDufty  # noqa: E402
 
 SCHEMES = ["RKJ2", "RKL2", "explicit"] + ["implicit"] * os.path.exists(os.path.join(harness.BIN, "haffimplicit.so"))
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flows of disks with viscosity and heat conduction between two walls, against the solution of the ordinary differential
-equations of steady flow (postprocessing/haff/exact/disks.py) and that of Couette flow that starts."""
+equations of steady flow (postprocessing/studies/exact/disks.py) and that of Couette flow that starts."""
 import unittest
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from tests.cases import harness
 from tests.cases.transport.channels import POLYHEDRAL, friction, replace, spheres
 
-from haff.exact import disks, garzoDufty  # noqa: E402
+from studies.exact import disks, garzoDufty  # noqa: E402
 
 MARGIN = 1.3  # what an error may exceed the measured one by; that it falls at second order is asserted beside it
 

@@ -9,7 +9,7 @@ from tests.cases import harness
 from tests.cases.harness import boxes
 from tests.cases.transport.channels import POLYHEDRAL, replace
 
-from haff.exact import disks  # noqa: E402
+from studies.exact import disks  # noqa: E402
 
 HEIGHT, ALPHA, SMALL = 20.0, 0.2, 1e-4
 EMPTY = '\n"(left|right)" cyclic\n"(front|back)" empty'

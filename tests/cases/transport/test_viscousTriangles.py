@@ -9,7 +9,7 @@ import numpy as np
 from tests.cases import harness, runs
 from tests.cases.transport import channels
 
-from haff.exact import disks  # noqa: E402
+from studies.exact import disks  # noqa: E402
 
 FIELDS = [("T", None, 1), ("alpha", None, 1), ("p", None, 1), ("U", 0, 1)]
 

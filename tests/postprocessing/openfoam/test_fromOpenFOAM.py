@@ -15,9 +15,10 @@ from tests.postprocessing.openfoam import foam
 
 import haff
 from haff.case import entries
-from haff.exact.eos import PerfectGas
-from haff.exact.riemann import Riemann
-from haff.runs import rhocentral, twin
+from haff.openfoam import rhocentral
+from studies.exact.eos import PerfectGas
+from studies.exact.riemann import Riemann
+from studies.made import twin
 
 R = rhocentral.UNIVERSAL / 28.96
 GAMMA = 1004.5 / (1004.5 - R)

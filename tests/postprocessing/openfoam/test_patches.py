@@ -11,8 +11,8 @@ from tests.postprocessing.openfoam import foam
 
 from haff.case import entries
 from haff.openfoam import fromOpenFOAM, patches, setFields, values
+from haff.openfoam import rhocentral
 from haff.openfoam.report import Refused, Report
-from haff.runs import rhocentral
 
 R = rhocentral.UNIVERSAL / 28.96
 OUT = "outlet { type zeroGradient; }"

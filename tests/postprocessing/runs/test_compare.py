@@ -11,7 +11,8 @@ import unittest.mock
 import numpy as np
 
 from tests.cases.harness import BIN, SOURCE, boxes, haff
-from haff.runs import compare as module, triangles
+from haff.runs import compare as module
+from studies.made import triangles
 
 
 class Compared(unittest.TestCase):

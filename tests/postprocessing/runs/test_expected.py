@@ -14,7 +14,8 @@ import numpy as np
 from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
 from tests.postprocessing.plot import cases
 from haff import command
-from haff.runs import expected, variants
+from haff.runs import expected
+from studies.checks import variants
 
 
 def called(*words):

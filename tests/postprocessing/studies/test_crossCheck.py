@@ -13,8 +13,9 @@ from tests.cases import harness
 from tests.postprocessing.openfoam import foam
 
 import haff
-from haff.runs import rhocentral, twin
-from haff.studies import comparison
+from haff.openfoam import rhocentral
+from studies.made import twin
+from studies.measured import comparison
 
 TOOL = [sys.executable, "-m", "haff", "crossCheck"]
 needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}: no comparison")

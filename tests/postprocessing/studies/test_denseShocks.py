@@ -9,8 +9,9 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.exact.eos import GoldshteinShapiro, TorquatoSpheres
-from haff.studies import denseMeshes, denseTubes, shocks
+from studies import denseMeshes, denseTubes
+from studies.exact.eos import GoldshteinShapiro, TorquatoSpheres
+from studies.measured import shocks
 
 
 class DenseShocks(unittest.TestCase):

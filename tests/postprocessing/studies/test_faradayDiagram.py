@@ -12,7 +12,7 @@ import unittest
 import numpy as np
 
 import haff
-from haff.studies import faradayDiagram, faradayOnset, faradayRows
+from studies import faradayDiagram, faradayOnset, faradayRows
 
 
 def options(*words):

@@ -4,8 +4,8 @@ import unittest
 
 import numpy as np
 
-from haff.exact.eos import GoldshteinShapiro
-from haff.studies import marquinaStability as stability
+from studies import marquinaStability as stability
+from studies.exact.eos import GoldshteinShapiro
 
 GAS = GoldshteinShapiro(1.0)
 

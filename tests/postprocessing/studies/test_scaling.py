@@ -9,9 +9,9 @@ import numpy as np
 
 from tests.cases import harness
 
+from haff.case import boxes
 from haff.paths import program
-from haff.runs import boxes
-from haff.studies import scaling
+from studies import scaling
 
 
 def lattice(case, n, speed=0.1, **options):

@@ -8,7 +8,7 @@ import unittest
 
 from tests.cases import harness
 from haff.paths import measured_by
-from haff.studies import serna
+from studies import serna
 
 PAGE = "a\n<!-- table x: made by haff serna -->\n{}<!-- end -->\nb\n"
 

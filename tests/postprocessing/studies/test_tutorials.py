@@ -10,8 +10,9 @@ import unittest
 from tests.cases import harness
 from tests.postprocessing.openfoam import foam
 
-from haff.runs import rhocentral, twin
-from haff.studies import tutorials
+from haff.openfoam import rhocentral
+from studies import tutorials
+from studies.made import twin
 
 needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}: no comparison")
 

@@ -122,7 +122,7 @@ class Arguments(unittest.TestCase):
 class References(harness.Folder, unittest.TestCase):
     def test_kept(self):
         """What is kept of two fine runs: block averages of their mean to 1e-6, the gap, and holes."""
-        from haff.studies.workPrecisionProblems import Step
+        from studies.workPrecisionProblems import Step
         step = Step()
         step.fine = 20
         values = np.random.default_rng(5).uniform(1, 2, int(step.kept(20).sum()))
