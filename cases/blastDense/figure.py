@@ -4,12 +4,12 @@ import numpy as np
 
 import haff
 from haff.plot import figures, script
-from haff.runs import expected
+from studies.exact.eos import of_case
 
 case = haff.Case(script.folder())
 time = case.times[-1]
 x, alpha, rho, T = case.line(("alpha", "rho", "T"), time)
-impedance = rho * expected.gas(case).c(rho, T)
+impedance = rho * of_case(case).c(rho, T)
 middle = x[np.argmax(alpha)]
 fig, axes = figures.panels(1, 3, width=9)
 for panel, name, values in zip(axes[0], ("alpha", "T", "impedance"), (alpha, T, impedance)):

@@ -4,12 +4,12 @@ import numpy as np
 
 import haff
 from haff.plot import figures, script
-from haff.runs import expected
+from studies.exact.eos import of_case
 from studies.exact.riemann import BLAST, Riemann
 
 case = haff.Case(script.folder())
 time = case.times[-1]
-gas = expected.gas(case)
+gas = of_case(case)
 x, alpha, T = case.line(("alpha", "T"), time)
 fine = np.linspace(0, 10, 8001)
 rho, _, p = Riemann(gas, *BLAST).sample((fine - 5) / float(time))

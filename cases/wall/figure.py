@@ -2,12 +2,12 @@
 """Volume fraction, temperature, pressure and Mach number at the end: Fig. 2 of Serna & Marquina."""
 import haff
 from haff.plot import figures, script
-from haff.runs import expected
+from studies.exact.eos import of_case
 
 case = haff.Case(script.folder())
 time = case.times[-1]
 x, alpha, rho, T, p, u = case.line(("alpha", "rho", "T", "p", "U"), time)
-mach = abs(u) / expected.gas(case).c(rho, T)
+mach = abs(u) / of_case(case).c(rho, T)
 fig, axes = figures.panels(2, 2)
 for panel, name, values in zip(axes.flat, ("alpha", "T", "p", "Ma"), (alpha, T, p, mach)):
     panel.plot(x, values)

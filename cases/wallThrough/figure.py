@@ -4,10 +4,10 @@ import numpy as np
 
 import haff
 from haff.plot import figures, script
-from haff.runs import expected
+from studies.exact.eos import of_case
 
 case = haff.Case(script.folder())
-gas = expected.gas(case)
+gas = of_case(case)
 fig, axes = figures.panels(2, 2)
 for time in (case.time(t) for t in (0.2, 0.5, 1, 1.5, 2, 2.3)):
     x, alpha, T = case.line(("alpha", "T"), time)

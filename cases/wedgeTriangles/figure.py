@@ -6,7 +6,8 @@ import numpy as np
 
 import haff
 from haff.plot import cellmap, figures, script
-from haff.runs import expected
+from studies.checks.wedges import REFERENCES
+from studies.exact.eos import of_case
 from studies.measured import shocks
 
 case = haff.Case(script.folder())
@@ -15,10 +16,10 @@ fig, axes = figures.panels(1, 2, height=3.4)
 tint = cellmap.draw(axes[0][0], case, alpha)
 axes[0][0].set_title(rf"$t$ = {case.times[-1]} s, {case.mesh.cells} triangles", fontsize=9)
 fig.colorbar(tint, ax=axes[0][0], label=figures.AXES["alpha"], shrink=0.8)
-with np.load(os.path.join(expected.REFERENCES, "wedge.npz")) as f:
+with np.load(os.path.join(REFERENCES, "wedge.npz")) as f:
     known = f["mean"].astype(float)
 n = len(known)
-gas, x = expected.gas(case), (np.arange(n) + 0.5) * 10 / n
+gas, x = of_case(case), (np.arange(n) + 0.5) * 10 / n
 flow = shocks.Samples(case, ("alpha",))
 for height, colour in ((1.0, figures.COLOURS[0]), (4.0, figures.COLOURS[1])):
     row = known[int(height / 10 * n)]

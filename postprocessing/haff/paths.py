@@ -2,6 +2,7 @@
 """Where the programs of haff and its source tree are."""
 import datetime
 import difflib
+import importlib
 import os
 import shutil
 import subprocess
@@ -80,3 +81,9 @@ def find_studies():
         raise FileNotFoundError(WITHOUT_STUDIES)
     if (folder := os.path.join(TOP, "postprocessing")) not in sys.path:
         sys.path.append(folder)
+
+
+def take_study(name):
+    """A module of the studies, as "checks.shocks". FileNotFoundError without the source tree; ModuleNotFoundError."""
+    find_studies()
+    return importlib.import_module(f"studies.{name}")

@@ -8,7 +8,7 @@ from matplotlib.tri import Triangulation
 
 import haff
 from haff.plot import cellmap, figures, script
-from haff.runs import expected
+from studies.exact.eos import of_case
 from studies.measured import shocks
 
 FLOWS = (("", "$e$ = 0.98"), ("e1", "$e$ = 1"), ("perfect", "perfect gas, 1.4"))
@@ -17,8 +17,8 @@ FLOWS = (("", "$e$ = 0.98"), ("e1", "$e$ = 1"), ("perfect", "perfect gas, 1.4"))
 def wedge(name):
     """Density on the triangles, and all cells beside the exact oblique shock."""
     case = haff.Case(script.folder())
-    shock = shocks.upstream(case, expected.gas(case))
-    beta = shock.angle(expected.WEDGE)
+    shock = shocks.upstream(case, of_case(case))
+    beta = shock.angle(shocks.WEDGE)
     behind = shock.behind(beta)
     fig, axes = figures.panels(1, 2, height=3.3)
     ratio = case.field("rho") / shock.rho
@@ -63,7 +63,7 @@ def blunt_body(picture, patch):
     fig, axes = figures.plt.subplots(1, len(flows) + 1, figsize=(len(flows) * wide + 3.4, 5.4), squeeze=False, layout="constrained",
                                      width_ratios=[wide] * len(flows) + [2.8])
     for panel, (case, name) in zip(axes[0], flows):
-        eos = expected.gas(case)
+        eos = of_case(case)
         shock, radius = shocks.upstream(case, eos), shocks.body_radius(case)
         rho, p, speed = case.field("rho"), case.field("p"), np.linalg.norm(case.field("U"), axis=1)
         above, *_ = smooth(panel, case.mesh, patch, rho / shock.rho, cmap="viridis", vmin=1, vmax=6)

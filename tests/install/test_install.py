@@ -36,6 +36,15 @@ class Commands:
         self.assertIn("haff COMMAND -help", call(os.path.join(self.bin, "haff"), "-help", cwd=self.folder))
         self.assertIn("FILE:ENTRY=VALUES", call(os.path.join(self.bin, "haff"), "sweep", "-help", cwd=self.folder))
 
+    def test_studies(self):
+        """The studies are not installed; a command of theirs says what it needs, and has that by HAFF_SOURCE."""
+        command = os.path.join(self.bin, "haff")
+        self.assertNotIn("serna", call(command, "-help", cwd=self.folder))
+        self.assertEqual(call(command, "muI", cwd=self.folder, code=1),
+                         "haff muI: this needs the studies, a part of the source tree of haff that is not installed: set HAFF_SOURCE to the folder of that tree\n")
+        self.assertIn("without side walls: V* 13.83", call(command, "muI", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
+        self.assertIn("serna", call(command, "-help", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
+
     def test_pictures(self):
         for name in COMMANDS[1:]:
             with self.subTest(name):

@@ -5,7 +5,8 @@
     haff expected CASE -make   writes expected.json of a case that has none: least, greatest and sum of its fields at its last time, so that a
                                change is noticed (tolerance: a hundredth of the field's range, at most a tenth of the value; edit what you know better)
 
-An entry of expected.json: quantity (a key of QUANTITIES), field, time (if it is of one), value, tolerance (absolute), source; optional
+An entry of expected.json: quantity (a key of QUANTITIES, or one that only shipped cases check: `quantities` of the file names a module of
+postprocessing/studies/checks that has such), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
 prints, where value is a band about it). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is
 the processor time of Allrun.
@@ -14,33 +15,22 @@ docs/makeValidation makes its table of these, for which an entry of `full` also 
 case had when it was last run in full; `./Allcheck -record` writes it down), where it is further from the paper than the tolerance why,
 and beside: what else it is compared with, each with kind, reference, source, allowed (the deviation that the reference has) and why.
 `told` lists what the README compares and no program measures again: quantity, haff and reference as printed there, kind, source; optional
-allowed (printed there, too), why (where the two differ). `variants` lists the same case with other entries or another grid (runs/variants.py).
+allowed (printed there, too), why (where the two differ). `variants` lists the same case with other entries or another grid
+(postprocessing/studies/checks/variants.py).
 """
-import csv
 import json
 import os
-import re
 import sys
 
 import numpy as np
 
-import haff
 from haff import command
+from haff.case.case import Case
 from haff.layers import columns, faraday
-from haff.paths import TOP, suggestion
-from haff.plot import cellmap
-from studies.checks import errors
-from studies.exact import obliqueShock
-from studies.exact import bunches
-from studies.exact.eos import GoldshteinShapiro, PerfectGas
-from studies.exact.riemann import BLAST, Riemann
-from studies.measured import clustering, shocks
+from haff.paths import suggestion, take_study
 
-REFERENCES = os.path.join(TOP, "postprocessing", "references")
-CASES = os.path.join(TOP, "cases")
 COUNTS = ("limited",)  # fields of what a run did, which are no result
 ROUND_OFF = 1e-9  # over the greatest value: below it a value counts as 0
-WEDGE = np.radians(15)  # of the cases wedge15, wedge15Dilute
 # What a number is compared with.
 KINDS = {
     "exact": "an exact solution, a law, or a boundary value problem solved to round-off",
@@ -51,30 +41,9 @@ KINDS = {
 }
 
 
-def gas(case):
-    """The equation of state from constant/granularProperties (plain numbers, as in the cases shipped)."""
-    with open(os.path.join(case.path, "constant", "granularProperties")) as f:
-        text = re.sub(r"//[^\n]*", "", f.read())
-
-    def value(key, standard=None):
-        found = re.search(rf"\b{key}\s+([^;\s]+)\s*;", text)
-        return float(found.group(1)) if found else standard
-
-    if re.search(r"equationOfState\s+perfectGas", text):
-        return PerfectGas(value("gamma", 5 / 3))
-    return GoldshteinShapiro(value("restitution"), value("diameter"), value("alphaMax", 0.65), value("gamma", 5 / 3))
-
-
 def wall_value(case, field, time):
     """At the cell of greatest x."""
     return case.field(field, time)[np.argmax(case.centres[:, 0])]
-
-
-def upstream_mach(case, _, time):
-    """At the upper left corner."""
-    cell = np.argmax(case.centres[:, 1] - case.centres[:, 0])
-    c = gas(case).c(case.field("rho", time)[cell], case.field("T", time)[cell])
-    return np.linalg.norm(case.field("U", time)[cell]) / c
 
 
 def lowest_row(case, field, time):
@@ -145,69 +114,6 @@ def column_integral(case, field, time):
     return float(np.sum(case.field(field, time)) * length / len(x))
 
 
-def asymmetry(case, field, time):
-    """Greatest difference to the mirror image about the line y = 10 - x, relative to the greatest value."""
-    x, y = np.round(case.centres[:, :2].T, 9)
-    here, there = np.lexsort((y, x)), np.lexsort((np.round(10 - x, 9), np.round(10 - y, 9)))
-    value = case.field(field, time)
-    mirrored = -value[:, [1, 0]] if value.ndim > 1 else value
-    value = value[:, :2] if value.ndim > 1 else value
-    return float(np.abs(value[here] - mirrored[there]).max() / np.abs(value).max())
-
-
-def blast_error(case, field, time):
-    """L1 error of the elastic blast against the exact solution at the cell centres, over 50 grains/cm^3."""
-    x, rho = case.line(("rho",), time)
-    exact = Riemann(gas(case), *BLAST).sample((x - 5) / float(time))[0]
-    return float(np.abs(rho - exact).mean() * 10 / 50)
-
-
-def reference_error(case, field, time):
-    """L1 difference of the density to cell averages of the fine lattice runs of cases/wedge (workPrecision), over the
-    upstream density."""
-    with np.load(os.path.join(REFERENCES, "wedge.npz")) as f:
-        known = f["mean"].astype(float)
-    n = len(known)
-    column, row = np.moveaxis(np.clip((cellmap.spread(case.mesh) / 10 * n).astype(int), 0, n - 1), -1, 0)
-    miss = np.abs(case.field("rho", time) - known[row, column].mean(axis=1))
-    return float(case.volumes @ miss / case.volumes.sum() / known[-1, 0])
-
-
-def shock_angle(case, _, time):
-    """Degrees."""
-    return float(np.degrees(shocks.straight_shock(case, shocks.upstream(case, gas(case), time), WEDGE, time).angle))
-
-
-def behind_shock(case, field, time):
-    """rho, p or mach over the exact value, less 1."""
-    return float(getattr(shocks.behind_wedge(case, shocks.upstream(case, gas(case), time), WEDGE, time), field))
-
-
-def wedge_error(case, _, time):
-    return shocks.wedge_error(case, shocks.upstream(case, gas(case), time), WEDGE, time)
-
-
-def stand_off(case, _, time):
-    return float(shocks.stand_off(case, shocks.upstream(case, gas(case), time), time))
-
-
-def nose_pressure(case, _, time):
-    """Largest p over that of the stream at rest behind a normal shock."""
-    stream = shocks.upstream(case, gas(case), time)
-    behind = stream.behind(np.pi / 2)
-    return float(case.field("p", time).max() / obliqueShock.stagnation(gas(case), behind.rho, behind.T, behind.speed)[1])
-
-
-def swept(column):
-    """From rows of table/faradayDiagram.csv that cases/faradaySweep makes: a function of the list of that column."""
-    def take(function):
-        def value(case, _, time):
-            with open(os.path.join(case.path, "table", "faradayDiagram.csv"), newline="") as f:
-                return float(function([row[column] for row in csv.DictReader(f)]))
-        return value
-    return take
-
-
 def wavelength(case, _, time):
     """Of the pattern on a shaken layer over the last 50 cycles; nan where none stands."""
     layer = faraday.Layer(case)
@@ -216,74 +122,13 @@ def wavelength(case, _, time):
     return result["wavelength"] if result["stands"] else np.nan
 
 
-def row_of(case, time):
-    """Profile over the height at that time, and of the grains of the case of the same name and MD, profiles.csv, which is
-    of the same time or phase of the shaking."""
-    layer = faraday.Layer(case)
-    grains = columns.read(os.path.join(CASES, os.path.basename(os.path.abspath(case.path)) + "MD", "profiles.csv"))
-    moment = float(time) * layer.frequency % 1 if hasattr(layer, "frequency") else float(time)
-    return columns.profile(layer, time), grains[min(grains, key=lambda m: abs(m - moment))]
-
-
-def difference_to_grains(case, field, time, raised=0.0):
-    """L1, relative, over cells where there are grains; field: of the profile, or energy; raised: how far the gas is lifted (m)."""
-    return float(columns.difference(*row_of(case, time), columns.energy if field == "energy" else field, raised))
-
-
-def kept_box(case):
-    """The cooling box of the case, and time, impacts and energy of the grains beside it: its own, or cooling.csv of the case of the
-    same name and MD."""
-    path = os.path.abspath(case.path)
-    name = os.path.basename(os.path.dirname(path) if os.path.basename(path) == "fromGrains" else path)
-    rows = clustering.read(os.path.join(CASES, name.removesuffix("MD") + "MD"), "cooling.csv")
-    return clustering.Box(path), rows
-
-
-def doubled(case, *_):
-    """The time at which the energy of motion is twice Haff's law."""
-    box = clustering.Box(case.path)
-    grains = os.path.isdir(os.path.join(case.path, "postProcessing", "grains"))
-    t, T = box.totals()[::2] if grains else box.budget()
-    return clustering.left(t, T, box.haff(t))
-
-
-def doubled_beside(case, *_):
-    """That time over the grains', less 1."""
-    box, rows = kept_box(case)
-    return doubled(case) / clustering.left(rows["t"], rows["T"], box.haff(rows["t"])) - 1
-
-
-def cooled_beside(case, _, time):
-    """Energy of motion over the grains', less 1."""
-    box, rows = kept_box(case)
-    return float(np.interp(float(time), *box.budget()) / clustering.at(rows, float(time))[1] - 1)
-
-
-def impacts(case, _, time):
-    """Of each grain of a case of grains until then."""
-    return float(np.interp(float(time), *clustering.Box(case.path).totals()[:2]))
-
-
-def impacts_beside(case, _, time):
-    """Of each grain of the gas, by Enskog's rate, over those of the grains, less 1."""
-    box, rows = kept_box(case)
-    return float(np.interp(float(time), *box.impacts()) / clustering.at(rows, float(time))[0] - 1)
-
-
 def last_time(case, *_):
     """The last time written: the end of the run, or the time at which a collapse stopped it."""
     return float(case.time(None))
 
 
 QUANTITIES = {
-    **errors.QUANTITIES,
-    "time at twice Haff's law": doubled,
-    "time at twice Haff's law over the grains', less 1,": doubled_beside,
-    "energy of motion over the grains', less 1,": cooled_beside,
-    "impacts over the grains', less 1,": impacts_beside,
-    "impacts of a grain": impacts,
     "height of the centre of mass": lambda case, field, time: float(columns.centre(columns.profile(faraday.Layer(case), time))),
-    "difference to the grains": difference_to_grains,
     "maximum": lambda case, field, time: float(case.field(field, time).max()),
     "minimum": lambda case, field, time: float(case.field(field, time).min()),
     "position of maximum": lambda case, field, time: float(case.centres[np.argmax(case.field(field, time)), 0]),
@@ -300,20 +145,8 @@ QUANTITIES = {
     "value off the wall": value_before,
     "position of the front": front,
     "change within a time": change_within,
-    "upstream Mach number": upstream_mach,
-    "asymmetry": asymmetry,
-    "L1 error": blast_error,
-    "L1 difference to the lattice": reference_error,
-    "shock angle": shock_angle,
-    "error behind the shock": behind_shock,
-    "L1 error of a wedge": wedge_error,
-    "stand-off distance": stand_off,
-    "pressure at the nose": nose_pressure,
-    "rows with a standing wave": swept("state")(lambda states: states.count("stands")),
-    "standing waves within 20 % of the paper's": swept("within20")(lambda answers: answers.count("yes")),
     "wavelength": wavelength,
     "last time": last_time,
-    "error of the bunches": lambda case, field, time: bunches.error(case, time),
 }
 
 
@@ -328,7 +161,20 @@ def read(path):
         raise ValueError(f"{file} is no JSON ({e}); haff expected {path} -make writes a new one once it is gone") from None
     if not isinstance(found, dict):
         raise ValueError(f"{file} holds a {type(found).__name__}; it is an object, with entries under \"full\" (haff expected -help)")
+    if "quantities" in found:
+        learn(found["quantities"], file)
     return found
+
+
+def learn(name, file):
+    """Adds the quantities of a module of studies/checks to QUANTITIES."""
+    module = f"checks.{name}"
+    try:
+        QUANTITIES.update(take_study(module).QUANTITIES)
+    except ModuleNotFoundError as why:
+        if why.name != f"studies.{module}":
+            raise
+        raise ValueError(f"{file}: quantities '{name}' is no module of postprocessing/studies/checks") from None
 
 
 def load(path, part):
@@ -397,7 +243,7 @@ def as_expected(value, entry):
 def judge(path, entry):
     """The value that the case in that folder has, whether it is as expected, and why there is none."""
     try:
-        value = float(measure(haff.Case(os.path.join(path, entry.get("folder", ""))), entry))
+        value = float(measure(Case(os.path.join(path, entry.get("folder", ""))), entry))
     except (KeyError, OSError, ValueError) as why:
         return float("nan"), False, f"none ({command.message(why)})"
     return value, as_expected(value, entry), ""
@@ -405,7 +251,7 @@ def judge(path, entry):
 
 def make(path):
     """Writes expected.json of a case of one's own, of what it has at its last time."""
-    file, case = os.path.join(path, "expected.json"), haff.Case(path)
+    file, case = os.path.join(path, "expected.json"), Case(path)
     if os.path.lexists(file):
         raise ValueError(f"{file} is there, and is not overwritten; remove it first")
     time, rows = case.time(None), []
@@ -432,7 +278,7 @@ def main():
     path, bad = o.case, 0
     if o.make:
         return make(path)
-    haff.Case(path)
+    Case(path)
     for entry in load(path, "full"):
         value, good, why = judge(path, entry)
         bad += not good

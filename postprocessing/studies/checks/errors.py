@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors of shipped cases with an exact solution, as quantities of expected.json (expected.py)."""
+"""Quantities of expected.json for cases with an exact solution: their errors."""
 import functools
 import os
 
 import numpy as np
 
 from haff.runs import copies
-from studies.exact import disks, segregation
+from studies.exact import bunches, disks, segregation
+from studies.exact.eos import of_case
+from studies.exact.riemann import BLAST, Riemann
 from studies.measured import mixture
 
 CHANNELS = {"couetteDisks": (disks.couette, 1), "heatedWalls": (disks.heated_walls, 0), "poiseuilleDisks": (disks.poiseuille, 1)}
@@ -53,7 +55,16 @@ def layer_mean(case, _, time):
     return float(np.abs(phi - segregation.gray_thornton_uniform(y, float(time), 0.5, 0.55)).mean())
 
 
+def blast_error(case, field, time):
+    """L1 error of the elastic blast against the exact solution at the cell centres, over 50 grains/cm^3."""
+    x, rho = case.line(("rho",), time)
+    exact = Riemann(of_case(case), *BLAST).sample((x - 5) / float(time))[0]
+    return float(np.abs(rho - exact).mean() * 10 / 50)
+
+
 QUANTITIES = {
+    "L1 error": blast_error,
+    "error of the bunches": lambda case, _, time: bunches.error(case, time),
     "mean error of the channel": lambda case, field, _: float(channel(case, field).mean()),
     "greatest error of the channel": lambda case, field, _: float(channel(case, field).max()),
     "greatest error of the front": front("max"),

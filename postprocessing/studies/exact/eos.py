@@ -6,6 +6,9 @@ fundamental derivative (docs/physics.md 2.5), and spheres with Torquato's contac
 Written from the formulas, not from the solver, so that one can test the other. With grain mass 1, rho is a number
 density and T a velocity squared. p = rho T A(rho), T = (gamma - 1) eps.
 """
+import os
+import re
+
 import numpy as np
 
 from haff.start import enskog
@@ -141,3 +144,17 @@ def isentrope(eos, rho0, T0, rho, panels=8):
         riemann = riemann + step * (eos.c(np.exp(s), T) @ WEIGHTS)
         log_T = log_T + step * ((eos.gamma - 1) * eos.A(np.exp(s)) @ WEIGHTS)
     return np.exp(log_T), riemann
+
+
+def of_case(case):
+    """The equation of state that a case names in constant/granularProperties (plain numbers, as in the cases shipped)."""
+    with open(os.path.join(case.path, "constant", "granularProperties")) as f:
+        text = re.sub(r"//[^\n]*", "", f.read())
+
+    def value(key, standard=None):
+        found = re.search(rf"\b{key}\s+([^;\s]+)\s*;", text)
+        return float(found.group(1)) if found else standard
+
+    if re.search(r"equationOfState\s+perfectGas", text):
+        return PerfectGas(value("gamma", 5 / 3))
+    return GoldshteinShapiro(value("restitution"), value("diameter"), value("alphaMax", 0.65), value("gamma", 5 / 3))

@@ -2,7 +2,7 @@
 """Where shocks stand on meshes without order, and the state behind them: the measurements of wedge15, cylinder, sphere3D.
 
     case = haff.Case("cases/wedge15")
-    shock = upstream(case, expected.gas(case))           # the stream as an ObliqueShock
+    shock = upstream(case, eos.of_case(case))            # the stream as an ObliqueShock
     fit = straight_shock(case, shock, np.radians(15))    # angle, offset, scatter from a line fitted to points of the shock
     jump = behind_wedge(case, shock, np.radians(15))     # means behind it, and how far from the exact ones
     wedge_error(case, shock, np.radians(15))             # of the density, against the exact flow
@@ -16,6 +16,9 @@ import numpy as np
 
 from haff.plot import cellmap
 from studies.exact.obliqueShock import ObliqueShock
+
+
+WEDGE = np.radians(15)  # of the cases wedge15, wedge15Dilute
 
 
 class Samples:

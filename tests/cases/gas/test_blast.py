@@ -3,6 +3,7 @@
 import unittest
 
 from tests.cases import harness
+from studies.checks.errors import blast_error
 
 
 class Blast(harness.Folder, unittest.TestCase):
@@ -11,7 +12,7 @@ class Blast(harness.Folder, unittest.TestCase):
         for cells in (250, 500):
             case = self.short("blastElastic", cells, writeInterval=5.48)
             self.compare(case, harness.entries("blastElastic", cells=cells))
-            errors[cells] = harness.expected.blast_error(case, "rho", case.times[-1])
+            errors[cells] = blast_error(case, "rho", case.times[-1])
         self.assertLess(errors[500], 0.7 * errors[250], "the error does not fall with the grid")
 
     def test_every_scheme_converges(self):
@@ -27,7 +28,7 @@ class Blast(harness.Folder, unittest.TestCase):
             for scheme in schemes:
                 harness.edit(case.path, "system/fvSchemes", fluxScheme=scheme[0], reconstruct=scheme[1])
                 result = harness.run(case.path)
-                errors[scheme, cells] = harness.expected.blast_error(result, "rho", result.times[-1])
+                errors[scheme, cells] = blast_error(result, "rho", result.times[-1])
         for scheme in schemes:
             with self.subTest(scheme):
                 coarse, fine = errors[scheme, 500], errors[scheme, 1000]

@@ -12,9 +12,8 @@ from tests.cases.gas import test_dense, test_limiter, test_uniformAxes
 from tests.cases.harness import boxes
 from tests.cases.polyhedral import test_acoustics
 
-from haff.runs import expected  # noqa: E402
 from studies.exact import disks, obliqueShock  # noqa: E402
-from studies.exact.eos import PerfectGas  # noqa: E402
+from studies.exact.eos import PerfectGas, of_case  # noqa: E402
 from studies.measured import shocks  # noqa: E402
 
 CAUSES = ("Gravity", "Walls", "Flow", "Sources", "Floors")
@@ -259,9 +258,9 @@ class Forces(harness.Folder, unittest.TestCase):
         """The shipped wedge in an elastic dense gas, on triangles: the flat wall ahead of it and the ramp."""
         case = ask(self.shipped("wedge15", 15), "wedge { type forces; patches (wall); CofR (0 0 0); }\n")
         result = harness.run(case)
-        stream = shocks.upstream(result, expected.gas(result), result.times[-1])
-        p = stream.behind(stream.angle(expected.WEDGE)).p
-        exact = np.ptp(result.mesh.points[:, 2]) * np.array([10 * p * np.tan(expected.WEDGE), -10 * p - stream.p])
+        stream = shocks.upstream(result, of_case(result), result.times[-1])
+        p = stream.behind(stream.angle(shocks.WEDGE)).p
+        exact = np.ptp(result.mesh.points[:, 2]) * np.array([10 * p * np.tan(shocks.WEDGE), -10 * p - stream.p])
         np.testing.assert_allclose(result.table("wedge", "force.dat")[-1, 1:3], exact, rtol=1e-3)
 
     def test_couette(self):

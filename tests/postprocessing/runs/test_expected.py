@@ -8,14 +8,14 @@ import shutil
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 
-from tests.cases import harness  # noqa: F401  (knows where postprocessing is)
+from tests.cases import harness
 from tests.postprocessing.plot import cases
-from haff import command
+from haff import command, paths
 from haff.runs import expected
-from studies.checks import variants
 
 
 def called(*words):
@@ -82,7 +82,7 @@ class Own(unittest.TestCase):
             for quantity, field, value in (("minimum", "rho", -1.75), ("maximum", "rho", 1),
                                            ("position of maximum", "rho", 1.875), ("position of maximum", "T", 0.125),
                                            ("value at the wall", "T", 0.675**2), ("last time", None, 3)):
-                case = expected.haff.Case(folder)
+                case = harness.haff.Case(folder)
                 self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "field": field, "time": 3}), value, 12, (quantity, field))
             cases.fields(folder, "4", rho=np.where(y < 0.25, 3 + x, 100))
             for quantity, at, value in (("value off the wall", 0.3, 4.7), ("value off the wall", 0, 4.875), ("position of the front", 1.25, 1.25 * 3.125 - 3)):
@@ -90,7 +90,7 @@ class Own(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
             x = cases.box(folder, (8, 1, 1), (2, 0.1, 0.1))[:, 0]
             cases.fields(folder, "3", rho=3 + x)
-            case = expected.haff.Case(folder)
+            case = harness.haff.Case(folder)
             self.assertAlmostEqual(expected.measure(case, {"quantity": "integral along x", "field": "rho", "time": 3}), 8, 12)
             self.assertAlmostEqual(expected.measure(case, {"quantity": "sum", "field": "rho", "time": 3}), 32, 12)
             cases.fields(folder, "2.5", rho=3.5 + x)
@@ -104,7 +104,7 @@ class Own(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
             y = cases.box(folder, (1, 8, 1), (0.1, 2, 0.1))[:, 1]
             cases.fields(folder, "3", alpha=np.where(y < 1, 0.3, 0.01), T=1 + y * (1.6 - y) + 7 * (y > 1))
-            case = expected.haff.Case(folder)
+            case = harness.haff.Case(folder)
             for quantity, value in (("maximum above that packing", 1 + 0.875 * 0.725), ("height of the maximum above that packing", 0.875),
                                     ("height up to that packing", 0.875)):
                 self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "field": "T", "time": 3, "at": 0.02}), value, 12, quantity)
@@ -116,23 +116,26 @@ class Own(unittest.TestCase):
             y = cases.box(folder, (1, 8, 1), (0.1, 2, 0.1))[:, 1]
             low = (y < 1)[:, None]
             cases.fields(folder, "3", alpha=np.where(y < 1, 0.3, 0.001), U=np.where(low, [0.03, 0.04, 0.5], [3, 4, 5]))
-            case = expected.haff.Case(folder)
+            case = harness.haff.Case(folder)
             for quantity, value in (("greatest velocity along z", 0.5), ("greatest velocity across z", 0.05), ("flow of packing along z", 0.1 * (0.15 + 0.005))):
                 self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "time": 3}), value, 12, quantity)
 
-    def test_asymmetry(self):
-        """About the line y = 10 - x: a field that mirrors itself has none; one cell that is off by a tenth of the greatest value has that."""
+    def test_of_a_study(self):
+        """`quantities` names the module that has what only shipped cases check; without the source tree it says what to do."""
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
-            x, y, z = cases.box(folder, (5, 5, 1), (10, 10, 1)).T
-            for time, more in (("1", 0), ("2", 1)):
-                rho, U = x - y + 10, np.stack((x, y - 10, 0 * z), axis=1)
-                rho[3] += 0.1 * 18 * more
-                U[3, 0] += 0.1 * 9 * more
-                cases.fields(folder, time, rho=rho, U=U)
-            case = expected.haff.Case(folder)
-            for field in ("rho", "U"):
-                for time, value in ((1, 0), (2, 0.1)):
-                    self.assertAlmostEqual(expected.measure(case, {"quantity": "asymmetry", "field": field, "time": time}), value, 12, field)
+            x, _, _ = cases.box(folder, (4, 4, 1), (10, 10, 1)).T
+            cases.fields(folder, "1", rho=1 + 0 * x)
+            entry = {"quantity": "asymmetry", "field": "rho", "time": 1, "value": 0, "tolerance": 0}
+            expected.save(folder, {"quantities": "wedges", "full": [entry]})
+            self.assertEqual(called(folder), (0, "ok  asymmetry rho at t = 1: 0, expected 0 +- 0\n"))
+            expected.save(folder, {"quantities": "wedgs", "full": [entry]})
+            code, said = called(folder)
+            self.assertEqual(code, 1)
+            self.assertIn("expected.json: quantities 'wedgs' is no module of postprocessing/studies/checks", said)
+            expected.save(folder, {"quantities": "wedges", "full": [entry]})
+            with unittest.mock.patch.object(paths, "TOP", folder):
+                code, said = called(folder)
+            self.assertEqual((code, said), (1, f"haff expected: {paths.WITHOUT_STUDIES}\n"))
 
     def test_damaged(self):
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
@@ -146,45 +149,6 @@ class Own(unittest.TestCase):
                 self.assertEqual(code, 1)
                 self.assertIn(says, said)
 
-
-class Variants(unittest.TestCase):
-    ENTRY = {"quantity": "maximum", "field": "T", "tolerance": 0.01}
-
-    def test_lists(self):
-        """A list as time and one as field make an entry for each pair, with the values in that order."""
-        rows = variants.spread({**self.ENTRY, "field": ["T", "p"], "time": [1, 2], "value": [1, 2, 3, 4], "measured": [5, 6, 7, 8]})
-        self.assertEqual([(r["field"], r["time"], r["value"], r["measured"]) for r in rows], [("T", 1, 1, 5), ("T", 2, 2, 6), ("p", 1, 3, 7), ("p", 2, 4, 8)])
-        self.assertEqual(variants.spread(self.ENTRY), [self.ENTRY])
-
-    def test_what_was_written_down_is_the_value(self):
-        one, two, three = variants.entries({"full": [{**self.ENTRY, "measured": 3}, {**self.ENTRY, "value": 1, "measured": 3}, self.ENTRY]})
-        self.assertEqual((one["value"], two["value"], one["own"], "own" in two), (3, 1, True, False))
-        self.assertTrue(np.isnan(three["value"]))
-
-    def test_written_down(self):
-        """To a tenth of the tolerance; an entry that lacks one of its values stays, and the other variants do."""
-        with tempfile.TemporaryDirectory(prefix="haff") as folder:
-            full = [{**self.ENTRY, "time": [1, 2]}, {**self.ENTRY, "time": [1, 2], "measured": [7, 7]}, {"quantity": "last time", "tolerance": 300}]
-            expected.save(folder, {"full": [], "variants": [{"name": n, "full": json.loads(json.dumps(full))} for n in "ab"]})
-            variants.write_down(folder, "b", [0.123456, 1, 3, np.nan, 4321.2], 1.234)
-            a, b = variants.load(folder)
-            self.assertEqual(a["full"], full)
-            self.assertEqual([e.get("measured") for e in b["full"]], [[0.123, 1], [7, 7], 4321])
-            self.assertEqual(b["seconds"], 1.2)
-
-    def test_damaged(self):
-        with tempfile.TemporaryDirectory(prefix="haff") as folder:
-            good = {"name": "a", "full": [self.ENTRY]}
-            for found, says in (([good, good], "variant 2 needs a name of its own.* it has 'a'"), ([{**good, "name": "a b"}], "it has 'a b'"),
-                                ([{**good, "grid": 3}], "variant a has an unknown 'grid'"), ([{"name": "a"}], "variant a: \"full\" is no list"),
-                                ([{"name": "a", "full": [{"quantity": "maximum"}]}], "variant a: entry 1 of \"full\" has no tolerance")):
-                expected.save(folder, {"full": []})
-                with open(os.path.join(folder, "expected.json"), "w") as f:
-                    json.dump({"variants": found}, f)
-                with self.assertRaisesRegex(ValueError, says):
-                    variants.load(folder)
-            expected.save(folder, {"variants": [good]})
-            self.assertEqual(variants.load(folder), [good])
 
 
 if __name__ == "__main__":
