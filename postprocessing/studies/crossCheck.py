@@ -32,6 +32,7 @@ import numpy as np
 
 import haff
 from haff import command
+from haff.case.geometry import Geometry
 from haff.openfoam import rhocentral
 from haff.paths import folder_of_programs, measured_by, of_source
 from studies.made import twin
@@ -79,7 +80,7 @@ def fine_run(o, cells, entries):
     twin.append(os.path.join(both.ours, "system", "fvSchemes"), f"\n{entries}\n")
     print(f"{o.name}: {OURS} on {cells} cells, to compare with: {timed([o.granular_gas], both.ours, o.core):.1f} s", flush=True)
     case, state = last(both.ours)
-    return comparison.Geometry(case), state
+    return Geometry(case), state
 
 
 def compare(o, cells, known, fine):
@@ -87,7 +88,7 @@ def compare(o, cells, known, fine):
     both = twin.Twin(o.case, os.path.join(o.out, str(cells or "mesh")), o.bin, o.courant, cells)
     cpu = {OURS: timed([o.granular_gas], both.ours, o.core), FOAM: timed([FOAM], both.foam, o.core)}
     (case, ours), (_, foam) = last(both.ours), last(both.foam)
-    r = SimpleNamespace(case=case, cells=cells or case.mesh.cells, cpu=cpu, geometry=comparison.Geometry(case), end=both.end)
+    r = SimpleNamespace(case=case, cells=cells or case.mesh.cells, cpu=cpu, geometry=Geometry(case), end=both.end)
     r.states = {OURS: ours, FOAM: foam}
     r.known = known.exact(case, both.end) or (r.geometry.average(*fine) if fine else None)
     r.scales = {name: comparison.scale((r.known or ours)[name]) for name in FIELDS}

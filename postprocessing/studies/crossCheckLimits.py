@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import haff
+from haff.case.geometry import Geometry
 from haff.paths import measured_by, of_source
 from studies.exact.eos import GoldshteinShapiro, PerfectGas
 from studies.exact.riemann import BLAST, Riemann
@@ -56,7 +57,7 @@ def run(o, name, entries):
                 "\nwriteControl adjustableRunTime; writeInterval 5.48; endTime 5.48; startFrom startTime; #remove functions\n")
     twin.called(os.path.join(o.bin, "granularGas"), "-case", case)
     done = haff.Case(case)
-    return comparison.Geometry(done), {f: done.field(f) for f in comparison.FIELDS}
+    return Geometry(done), {f: done.field(f) for f in comparison.FIELDS}
 
 
 def exact(gas, cells):

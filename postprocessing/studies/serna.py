@@ -6,7 +6,6 @@
 runs some fifty variants of wedge, wedgeDense, wall, blast, blastElastic, blastDense and vibratedLayer in FOLDER, one after the other, and prints the tables;
 -write puts them into the reports, between their markers. What stands in FOLDER is not run again: take a new one for another program. About four minutes of
 one core. A run that ends before its time, by an inelastic collapse, is listed with its last time."""
-import glob
 import os
 import re
 
@@ -70,8 +69,10 @@ def value(case, quantity, time, digits):
 
 def limited(case, time):
     """How often a cell was limited until then, by the table postProcessing/limiter of the run."""
-    rows = [np.loadtxt(path, usecols=(0, 2), ndmin=2) for path in glob.glob(os.path.join(case.path, "postProcessing", "limiter", "*", "limiter.dat"))]
-    return sum(int(row[row[:, 0] <= time * (1 + 1e-9), 1].sum()) for row in rows)
+    if "limiter" not in case.tables():
+        return 0
+    rows = case.table("limiter", "limiter.dat")
+    return int(rows[rows[:, 0] <= time * (1 + 1e-9), 2].sum())
 
 
 def steps(runs):

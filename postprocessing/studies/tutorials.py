@@ -25,8 +25,8 @@ import numpy as np
 import haff
 from haff import command
 from haff.case import entries
-from haff.openfoam import dictionary, fromOpenFOAM
-from haff.openfoam import rhocentral
+from haff.case.geometry import Geometry
+from haff.openfoam import dictionary, fromOpenFOAM, rhocentral
 from haff.openfoam.gas import Gas
 from haff.openfoam.report import Report
 from haff.paths import of_source, program
@@ -120,7 +120,7 @@ class Pair:
             foam(self.foam, "setFields")
         self.cpu = (self.run_ours(core), timed([self.solver], self.foam, core))
         self.states = (self.state(self.ours, 1), self.state(self.foam, self.gas.R))
-        self.geometry = comparison.Geometry(haff.Case(self.ours))
+        self.geometry = Geometry(haff.Case(self.ours))
         scales = {f: comparison.scale(self.states[1][f]) for f in FIELDS}
         self.apart = comparison.difference(self.geometry, *self.states, scales)
         return self
@@ -160,7 +160,7 @@ def fine_run(o, name, tutorial):
     entries.edit(os.path.join(pair.ours, "system", "fvSchemes"), {"timeScheme": "SSPRK43"})
     entries.edit(os.path.join(pair.ours, "system", "controlDict"), {"adjustTimeStep": "yes", "+maxCo": 1.5})
     print(f"{name}: granularGas on a finer grid, to compare with: {pair.run_ours(o.core):.1f} s", flush=True)
-    return comparison.Geometry(haff.Case(pair.ours)), Pair.state(pair.ours, 1)
+    return Geometry(haff.Case(pair.ours)), Pair.state(pair.ours, 1)
 
 
 def study(o, name):

@@ -23,8 +23,9 @@ import re
 
 import numpy as np
 
-import haff
 from haff import command
+from haff.case.case import Case
+from haff.case.foam import FoamFile, FormatError
 from haff.paths import suggestion
 
 CONTRAST, FLIP = 5.0, -0.5
@@ -36,14 +37,14 @@ def dictionary(case, name, *wanted):
     path = os.path.join(case.path, "constant", name)
     if not os.path.isfile(path):
         raise FileNotFoundError(f"{path} is not there, or no file: this command is about layers under gravity")
-    text = haff.FoamFile(path).body.decode("latin-1")
+    text = FoamFile(path).body.decode("latin-1")
     text = re.sub(r"//[^\n]*", "", text)
     number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
     found = {k: [float(w) for w in re.findall(number, v)]
              for k, v in re.findall(rf"(\w+)\s+(?:\[[^\]]*\]\s*|table\s*)?([(\s]*{number}[^;]*);", text)}
     for key in wanted:
         if key not in found:
-            raise haff.FormatError(f"{path}: there is no number '{key}'{suggestion(key, found)}")
+            raise FormatError(f"{path}: there is no number '{key}'{suggestion(key, found)}")
     return found
 
 
@@ -51,7 +52,7 @@ class Layer:
     """A case on a box: `up` is against gravity, heights count from the plate, `x` runs along the longest other axis."""
 
     def __init__(self, case):
-        self.case = case if isinstance(case, haff.Case) else haff.Case(case)
+        self.case = case if isinstance(case, Case) else Case(case)
         g = np.array(dictionary(self.case, "g", "value")["value"])
         self.up = int(np.argmax(np.abs(g)))
         self.sign = -np.sign(g[self.up])

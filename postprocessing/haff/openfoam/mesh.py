@@ -8,12 +8,10 @@ import warnings
 
 import numpy as np
 
-from haff.case import entries
-from haff.case import boxes
+from haff.case import boxes, entries
 from haff.case.blocks import mesh_of
 from haff.case.foam import FormatError
-from haff.openfoam import dictionary
-from haff.openfoam import rhocentral
+from haff.openfoam import dictionary, rhocentral
 from haff.openfoam.report import Refused
 
 ALLOWED = ("patch", "wall", "empty", "symmetry", "symmetryPlane", "cyclic")

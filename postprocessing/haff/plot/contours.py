@@ -6,8 +6,8 @@
 
 import numpy as np
 
-import haff
 from haff import command
+from haff.case.case import Case
 from haff.plot import figures
 
 
@@ -85,7 +85,7 @@ def main():
     parser.add_argument("cases", nargs="+", metavar="CASE")
     parser.add_argument("-o", required=True, metavar="FIGURE", help="written; png, pdf or svg")
     o = parser.parse_args()
-    figure([haff.Case(p) for p in o.cases], o.o)
+    figure([Case(p) for p in o.cases], o.o)
 
 
 if __name__ == "__main__":

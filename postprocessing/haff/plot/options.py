@@ -3,8 +3,8 @@
 import os
 import re
 
-import haff
 from haff import command
+from haff.case.case import Case
 from haff.plot import quantity
 from haff.plot.space import Space
 from haff.plot.wish import Wish
@@ -119,7 +119,7 @@ def output(case, given, names, suffix):
 
 def space_of(path):
     """The Space of the case in a folder."""
-    return Space(haff.Case(path))
+    return Space(Case(path))
 
 
 def parser(text):

@@ -14,7 +14,7 @@ import zlib
 
 import numpy as np
 
-import haff
+from haff.case.foam import FormatError
 from haff.plot import figures
 
 MAIN = (("alpha", "rho"), ("U",), ("T",), ("p",))  # shown by default: the first of each group that the case has
@@ -134,7 +134,7 @@ def read(case, word, time, component=None, along=None):
     count, dimensions = there[name]
     try:
         values = case.field(name, time)
-    except haff.FormatError as e:
+    except FormatError as e:
         raise CannotDraw(f"{e}" + ("; draw a time that a run has written" if "expression" in str(e) else "")) from None
     if count == 1:
         if part and part != "mag":

@@ -4,9 +4,9 @@ import os
 
 import numpy as np
 
-import haff
 from haff import command
 from haff.case import grains
+from haff.case.foam import FormatError
 from haff.plot import log, quantity, runlog
 from haff.plot.quantity import GRAINS, CannotDraw
 from haff.plot.wish import Wish, times_with_results
@@ -104,7 +104,7 @@ class Report:
             try:
                 self.case.field(name, time)
                 self.faults[name, time] = ""
-            except haff.FormatError as why:
+            except FormatError as why:
                 self.faults[name, time] = "" if "expression" in str(why) else command.message(why)
             except OSError:  # not written, or removed by purgeWrite
                 return ""

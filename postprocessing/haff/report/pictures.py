@@ -13,7 +13,7 @@ import io
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-import haff
+from haff.case.foam import FormatError
 from haff.plot import figures, movie, picture, quantity
 from haff.plot.quantity import GRAINS, CannotDraw
 from haff.plot.space import Space
@@ -24,7 +24,7 @@ PIXELS_PER_INCH = 150
 SHRUNK, SOLID = 0.72, 0.9  # of the size of haffPlot's figures: letters are read on a page where a picture is a hand wide; of several views
 NARROW = 4.5  # inches: less room for numbers along x
 QUALITY = 82  # of webp
-LOST = (CannotDraw, haff.FormatError, OSError, ValueError)  # what a time that is being written may lead to
+LOST = (CannotDraw, FormatError, OSError, ValueError)  # what a time that is being written may lead to
 
 
 @dataclasses.dataclass

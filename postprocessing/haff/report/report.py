@@ -14,8 +14,8 @@ import os
 import sys
 import time
 
-import haff
 from haff import command
+from haff.case.case import Case
 from haff.plot import options, runlog
 from haff.plot.quantity import CannotDraw
 from haff.report import onecase, page, pairs, sweeps
@@ -57,7 +57,7 @@ def case_in(path):
     if not os.path.isdir(os.path.join(path, "system")):
         raise CannotDraw(f"{path} is no case directory (it has no folder 'system') and no folder of a sweep (it has no sweep.csv); give the folder of a case: "
                          "haff report CASE")
-    return haff.Case(path)
+    return Case(path)
 
 
 def target(o):

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-import haff
+from haff.case.case import Case, number
 from haff.plot import log, quantity
 from haff.plot.quantity import GRAINS, CannotDraw
 from haff.plot.scale import common
@@ -43,15 +43,15 @@ class Sweep:
 
     def numbers(self, name):
         """The column [rows]; nan where there is no number."""
-        return np.array([haff.number(r[name] or "nan") for r in self.rows])
+        return np.array([number(r[name] or "nan") for r in self.rows])
 
     def name(self, row):
         return ", ".join(f"{n} {row[n]}" for n in self.varied) or row["folder"]
 
     def case(self, row):
-        """The haff.Case of a run with results; None without."""
+        """The Case of a run with results; None without."""
         try:
-            case = haff.Case(os.path.join(self.folder, row["folder"]))
+            case = Case(os.path.join(self.folder, row["folder"]))
             return case if times_with_results(case) else None
         except (CannotDraw, OSError):
             return None
@@ -82,7 +82,7 @@ class Report:
         for row, shot in zip(sweep.rows, shots):
             mark = tag("span", ESCAPE(row["state"]), class_={"done": "good", "failed": "bad"}.get(row["state"], "quiet"))
             why = tag("div", ESCAPE(row["error"].split("\n")[0]), class_="quiet") if row["error"] else ""
-            lines.append([*(ESCAPE(shorter(row[n])) for n in sweep.columns), mark + why, ESCAPE(log.duration(haff.number(row["seconds"] or "nan"))),
+            lines.append([*(ESCAPE(shorter(row[n])) for n in sweep.columns), mark + why, ESCAPE(log.duration(number(row["seconds"] or "nan"))),
                           *([small(sweep.name(row), shot)] if any(shots) else [])])
         return table(heads, lines, "Runs of the sweep")
 
@@ -96,7 +96,7 @@ def small(name, shot):
 
 
 def shorter(word):
-    value = haff.number(word)
+    value = number(word)
     return word if np.isnan(value) or len(word) < 9 else f"{value:.6g}"
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from haff.case.case import Case
 from haff.case.foam import FormatError
+from haff.case.geometry import Geometry
 from haff.case.tables import frame
 
 USUAL = ("alpha", "rho", "U", "T", "p")
@@ -188,7 +189,6 @@ def between_centres(coarse, fine):
     """Means over the fine cells whose nearest coarse centre it is; a coarse cell without any takes the nearest fine cell's value, if that is
     no farther than both cells' sizes."""
     from scipy.spatial import cKDTree
-    from studies.measured.comparison import Geometry
     c, f = Geometry(coarse), Geometry(fine)
     if c.axes != f.axes:
         raise ValueError(f"{coarse.path} lies along the axes {c.axes}, {fine.path} along {f.axes}: they cannot be compared")

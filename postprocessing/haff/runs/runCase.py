@@ -12,8 +12,8 @@ import os
 import signal
 import sys
 
-import haff
 from haff import command
+from haff.runs.run import RunError, run
 
 
 def setting(word):
@@ -46,7 +46,7 @@ def reported(action, again):
     except KeyboardInterrupt:
         print(f"stopped; {again}", file=sys.stderr)
         return 130
-    except haff.RunError as error:
+    except RunError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.code if error.code > 0 else 128 - error.code
     except (OSError, ValueError, KeyError) as error:
@@ -64,7 +64,7 @@ def main():
 
     def action():
         changes, mesh = settings(o.settings)
-        print(os.path.relpath(haff.run(o.case, changes, mesh=mesh, ranks=o.ranks, folder=o.folder).path))
+        print(os.path.relpath(run(o.case, changes, mesh=mesh, ranks=o.ranks, folder=o.folder).path))
         return 0
     return reported(action, "the same command goes on from there")
 

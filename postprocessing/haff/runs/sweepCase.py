@@ -12,9 +12,9 @@ import os
 import runpy
 import sys
 
-import haff
 from haff import command
 from haff.runs import runCase
+from haff.runs.sweep import sweep
 
 
 def values(text):
@@ -73,7 +73,7 @@ def main():
 
     def action():
         grid, mesh = runCase.settings(o.settings, values)
-        haff.sweep(o.case, grid, mesh=mesh, cores=o.cores, ranks=o.ranks, folder=folder, measure=measure_of(o.measure), progress=not o.quiet)
+        sweep(o.case, grid, mesh=mesh, cores=o.cores, ranks=o.ranks, folder=folder, measure=measure_of(o.measure), progress=not o.quiet)
         return show(os.path.join(folder, "sweep.csv"))
     return runCase.reported(action, f"the same command goes on from there; {os.path.join(folder, 'sweep.csv')} has what is done")
 

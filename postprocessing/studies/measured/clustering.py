@@ -243,16 +243,11 @@ def excess(box, t, longest=None):
     return 1 + (box.d - 1) / box.d / box.number * energy
 
 
-def draw(gas, kept, target, moments):
-    """Energy of motion over Haff's law, impacts, and spectra at these times: lines of the gas in folder `gas`, dots of the grains whose
-    tables lie in `kept`. Prints what the README quotes."""
-    import sys
-
+def draw_energy(box, cooling, energy, impacts, say):
+    """The energy of motion and the impacts of gas and grains over time, in two panels; returns time and energy, time and impacts of the gas."""
     from haff.plot import figures
-    box, cooling, spectra = Box(gas), read(kept, "cooling.csv"), read(kept, "spectra.csv")
-    fig, ((energy, impacts), (density, across)) = figures.panels(2, 2, width=7.6, height=2.7)
-    t, T = box.budget()
-    law, say = box.haff(t), lambda text: print(text, file=sys.stderr)
+    (t, T), (when, count) = box.budget(), box.impacts()
+    law = box.haff(t)
     energy.loglog(t[1:], law[1:], color="0.5", linewidth=0.7, label="Haff's law")
     energy.loglog(t[1:], T[1:], label="gas")
     energy.loglog(cooling["t"][::2], cooling["T"][::2], "o", markersize=2.2, fillstyle="none", label="grains")
@@ -263,13 +258,26 @@ def draw(gas, kept, target, moments):
     energy.legend()
     figures.label(energy, r"$t\,\sqrt{T_0}/\sigma$", rf"$2E/{box.d}NT_0$", "dotted: twice Haff's law")
     say(f"twice Haff's law: gas at t = {gone[0]:.0f}, grains at {gone[1]:.0f}")
-    when, count = box.impacts()
     homogeneous = np.geomspace(when[0] / 10, when[-1], 100)
     impacts.semilogx(homogeneous, box.theory.tau(homogeneous) * enskog.collision_rate(box.alpha, 1.0, box.d, 1), color="0.5", linewidth=0.7)
     impacts.semilogx(when, count)
     impacts.semilogx(cooling["t"][::2], cooling["impacts"][::2], "o", markersize=2.2, fillstyle="none")
     impacts.set_xlim(homogeneous[0], homogeneous[-1])
     figures.label(impacts, r"$t\,\sqrt{T_0}/\sigma$", "impacts of a grain")
+    return t, T, when, count
+
+
+def draw(gas, kept, target, moments):
+    """Energy of motion over Haff's law, impacts, and spectra at these times: lines of the gas in folder `gas`, dots of the grains whose
+    tables lie in `kept`. Prints what the README quotes."""
+    import sys
+
+    from haff.plot import figures
+    box, cooling, spectra = Box(gas), read(kept, "cooling.csv"), read(kept, "spectra.csv")
+    fig, ((energy, impacts), (density, across)) = figures.panels(2, 2, width=7.6, height=2.7)
+    say = lambda text: print(text, file=sys.stderr)
+    t, T, when, count = draw_energy(box, cooling, energy, impacts, say)
+    law = box.haff(t)
     for moment, colour in zip(moments, figures.COLOURS):
         rho, u = box.cells(box.case.time(moment))
         n, *power = box.spectra(rho, rho * u)

@@ -13,6 +13,7 @@ from tests.cases import harness
 from tests.postprocessing.openfoam import foam
 
 import haff
+from haff.case.geometry import Geometry
 from haff.openfoam import rhocentral
 from studies.made import twin
 from studies.measured import comparison
@@ -152,7 +153,7 @@ class Positions(unittest.TestCase):
         """A smeared front across a lattice that is not along its axes is found to a tenth of a cell."""
         n, front = 40, 0.613
         x, y = (c.ravel() for c in np.meshgrid((np.arange(n) + 0.5) / n, (np.arange(n) + 0.5) / n))
-        geometry = comparison.Geometry.__new__(comparison.Geometry)
+        geometry = Geometry.__new__(Geometry)
         geometry.at, geometry.axes, geometry.h = np.stack([x, y], axis=1), [0, 1], 1 / n
         rho = 1 - np.tanh(((x + y) / np.sqrt(2) - front) * n / 1.5)
         found = comparison.shock(geometry, rho, ((0.1, 0.1, 0), (0.9, 0.9, 0)))
