@@ -62,7 +62,7 @@ static status sum_blocks(const struct gas *g, const double *per_block, double *s
 /* Allocates what the gas itself notes for the budget. */
 static status make_notes(struct gas *g, struct audit *a) {
     TRY(allocate(&a->through, (long)GAS_EDGES * g->components * blocks_of(g), sizeof(double), "the budget"));
-    if (g->dropped) TRY(allocate(&g->denser, g->nraised, sizeof(double), "the budget"));
+    if (g->falling.dropped) TRY(allocate(&g->falling.denser, g->nraised, sizeof(double), "the budget"));
     for (int k = 0; k < g->components && g->least > 0; k++)
         TRY(allocate(&g->given[k], g->nraised, sizeof(double), "the budget"));
     return OK;
@@ -132,7 +132,7 @@ void audit_part(struct gas *g, enum gas_cause cause, const struct state *now) {
 static void warm_row(void *gas, const struct row *row) {
     const struct warm *w = gas;
     const struct gas *g = w->g;
-    const double *falls = g->falls[row->block] + row->at;
+    const double *falls = g->falling.cells[row->block] + row->at;
     const double *part = g->hybrid ? g->dense->part[row->block] + row->at : NULL;
     for (int v = 0; v < g->nvar; v++) {
         const long at = v * g->size + row->at;
@@ -175,15 +175,15 @@ static void book_weight(struct gas *g, double work) {
 /* Books the momentum that gravity gives to so much mass times time (kg s). */
 static void book_fall(struct gas *g, double mass) {
     double *pushed = g->audit->now.pushed[source_gravity_row()];
-    for (int k = 0; k < g->components; k++) pushed[k] += mass * g->gravity[k];
+    for (int k = 0; k < g->components; k++) pushed[k] += mass * g->falling.gravity[k];
 }
 
 void audit_weight(struct gas *g, const struct state *from, double part) {
     double totals[MAX_VAR], work = 0;
-    if (!g->audit || !g->falls) return;
+    if (!g->audit || !g->falling.cells) return;
     g->engine->state.rows(g, EACH_STATE, from, warm_row, &(struct warm){g, from});
     totals_of_scratch(g, from, totals);
-    for (int k = 0; k < g->components; k++) work += part * g->gravity[k] * totals[k + 1];
+    for (int k = 0; k < g->components; k++) work += part * g->falling.gravity[k] * totals[k + 1];
     book_weight(g, work);
     book_fall(g, part * totals[0]);
 }
@@ -197,23 +197,23 @@ void audit_rest(struct gas *g, double part) {
 
 void audit_dropped(struct gas *g, double part) {
     double sum = 0;
-    if (!g->audit || !g->falls) return;
-    note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
+    if (!g->audit || !g->falling.cells) return;
+    note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, part * sum);
-    note_status(g->audit, g->engine->stage.sum_raised(g, g->denser, &sum));
+    note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.denser, &sum));
     book_fall(g, part * sum);
 }
 
 void audit_bed(struct gas *g) {
     double sum = 0;
-    if (!g->audit || !g->falls) return;
-    g->engine->bed.spread(g, g->dense->bed.work, g->dropped);
-    note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
+    if (!g->audit || !g->falling.cells) return;
+    g->engine->bed.spread(g, g->dense->bed.work, g->falling.dropped);
+    note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);
     for (int k = 0; k < g->components; k++) {
         bed_push(&g->dense->bed, g->dt, g->dense->kick, k);
-        g->engine->bed.spread(g, g->dense->bed.pushed, g->dropped);
-        note_status(g->audit, g->engine->stage.sum_raised(g, g->dropped, &sum));
+        g->engine->bed.spread(g, g->dense->bed.pushed, g->falling.dropped);
+        note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
         g->audit->now.pushed[source_gravity_row()][k] += sum;
     }
 }

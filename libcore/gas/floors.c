@@ -15,7 +15,7 @@ void floors_free(struct gas *g) {
     free(g->raised);
     for (int v = 0; v < 2; v++) free(g->fill[v]);
     for (int k = 0; k < MAX_DIM; k++) free(g->given[k]);
-    free(g->denser);
+    free(g->falling.denser);
 }
 
 void floors_begin(struct gas *g) {

@@ -131,7 +131,7 @@ status gas_set_own(struct gas *g, long cells, const double *rho, const double *c
 }
 
 status gas_rest(struct gas *g, const bool *rests) {
-    return g->engine->state.rest && g->falls ? g->engine->state.rest(g, rests) : OK;
+    return g->engine->state.rest && g->falling.cells ? g->engine->state.rest(g, rests) : OK;
 }
 
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {

@@ -41,6 +41,18 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     status failed;              /* why an attempt could not be made, other than that dt was too long */
 };
 
+/* Gravity is a part of div F in the stages, where the fluxes know the pressure that carries gas at rest. Only in cold
+ * cells, which fall freely, half of it acts before the stages and half behind them, and leaves their T alone: in a
+ * stage it would take the square of the velocity gained from an energy that is smaller. */
+struct falling {
+    double **cells;          /* [blocks][size] 1 in cold cells, else 0; NULL without gravity */
+    bool *blocks;            /* [blocks] has the block a cold cell? */
+    double gravity[MAX_DIM]; /* m/s^2: mean over the step in hand */
+    double *dropped;         /* [nraised] J/m^3 that drop_row added in the redo of a stage */
+    /* [nraised] kg s/m^3, with a budget: dt times the rise of rho in the stage, in the cells that drop_row drops */
+    double *denser;
+};
+
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
@@ -91,15 +103,7 @@ struct gas {
     double *fill[2]; /* [nraised] mass and energy per m^3 that the density floor added to the result; NULL without it */
     double share;    /* fraction of an amount added to the present stage that survives in the result of the step */
 
-    /* Gravity is a part of div F in the stages, where the fluxes know the pressure that carries gas at rest. Only in
-     * cold cells, which fall freely, half of it acts before the stages and half behind them, and leaves their T alone:
-     * in a stage it would take the square of the velocity gained from an energy that is smaller. */
-    double **falls;          /* [blocks][size] 1 in cold cells, else 0; NULL without gravity */
-    bool *falling;           /* [blocks] has the block a cold cell? */
-    double gravity[MAX_DIM]; /* m/s^2: mean over the step in hand */
-    double *dropped;         /* [nraised] J/m^3 that drop_row added in the redo of a stage */
-    /* [nraised] kg s/m^3, with a budget: dt times the rise of rho in the stage, in the cells that drop_row drops */
-    double *denser;
+    struct falling falling;
 
     double pull[MAX_DIM];      /* m/s^2, with transport: mean acceleration by the sources in this half step */
     bool late;                 /* is diffusion in the second half of the step, before cooling? */

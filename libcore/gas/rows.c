@@ -100,9 +100,9 @@ KERNEL static void update_falling(int n, int dim, long size, long each, double a
 void advance_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag) {
     double line[BATCH], *share = falls || flag ? line : NULL;
     for (int i = 0; i < n && share; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
-    if (g->falls)
-        update_falling(n, g->components, g->size, s->each, s->a, s->dt, g->gravity, share, s->U0, s->from, s->residual,
-                       s->to);
+    if (g->falling.cells)
+        update_falling(n, g->components, g->size, s->each, s->a, s->dt, g->falling.gravity, share, s->U0, s->from,
+                       s->residual, s->to);
     else
         update_rows(g, n, s);
 }
@@ -134,15 +134,15 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
     for (int i = 0; i < n && some; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
     for (int k = g->components - 1; k >= 0; k--)
         if (some)
-            weigh_some(n, g->gravity[k], share, U[0], U[k + 1], residual[k + 1], power);
+            weigh_some(n, g->falling.gravity[k], share, U[0], U[k + 1], residual[k + 1], power);
         else if (g->models.source.gravity[k] != 0)
-            weigh_all(n, g->gravity[k], U[0], U[k + 1], residual[k + 1], power);
+            weigh_all(n, g->falling.gravity[k], U[0], U[k + 1], residual[k + 1], power);
     add_power(n, power, residual[g->components + 1]);
 }
 
 void drop_begin(const struct gas *g) {
-    if (g->dropped) memset(g->dropped, 0, (size_t)g->nraised * sizeof *g->dropped);
-    if (g->denser) memset(g->denser, 0, (size_t)g->nraised * sizeof *g->denser);
+    if (g->falling.dropped) memset(g->falling.dropped, 0, (size_t)g->nraised * sizeof *g->falling.dropped);
+    if (g->falling.denser) memset(g->falling.denser, 0, (size_t)g->nraised * sizeof *g->falling.denser);
 }
 
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
@@ -154,7 +154,7 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
         const double rho = s->from[i] + dt * s->residual[i];
         double work = 0, more = 0;
         for (int k = g->components - 1; k >= 0; k--) {
-            const double kick = dt * g->gravity[k], moved = dt * s->residual[(k + 1) * s->each + i];
+            const double kick = dt * g->falling.gravity[k], moved = dt * s->residual[(k + 1) * s->each + i];
             s->to[(k + 1) * size + i] += (1 - a) * (rho * kick);
             work += kick * (s->from[(k + 1) * size + i] + moved + 0.5 * rho * kick);
             more += kick * (moved + 0.5 * rho * kick);
@@ -162,7 +162,8 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
         s->to[(g->components + 1) * size + i] += (1 - a) * work;
         if (part && part[i] > 0) continue;
         dropped[i * g->raised_step] += more;
-        if (g->denser) g->denser[dropped - g->dropped + i * g->raised_step] += dt * (rho - s->from[i]);
+        if (g->falling.denser)
+            g->falling.denser[dropped - g->falling.dropped + i * g->raised_step] += dt * (rho - s->from[i]);
     }
 }
 
@@ -251,40 +252,40 @@ void field_row(const struct gas *g, enum gas_field field, int n, long size, cons
 
 /* Where the marks of a row's cells are, or go; NULL without gravity. */
 static double *falls_of(const struct gas *g, const struct row *row) {
-    return g->falls ? g->falls[row->block] + row->at : NULL;
+    return g->falling.cells ? g->falling.cells[row->block] + row->at : NULL;
 }
 
 /* Notes that a cell of the row falls. A background stands for all cells of its tile until their own rows come. */
 static void note_falling(const struct gas *g, const struct row *row) {
-    double *falls = g->falls[row->block];
-    g->falling[row->block] = true;
+    double *falls = g->falling.cells[row->block];
+    g->falling.blocks[row->block] = true;
     for (long i = 1; g->forest && row->at == 0 && i < g->size; i++) falls[i] = 1;
 }
 
-struct falling { /* context of find_falling_row */
+struct cold_search { /* context of find_falling_row */
     const struct gas *g;
     const struct state *s;
     double warm;
 };
 
 static void find_falling_row(void *falling, const struct row *row) {
-    const struct falling *f = falling;
+    const struct cold_search *f = falling;
     const struct gas *g = f->g;
     const double *U = f->s->block[row->block] + row->at, *part = g->dense->part[row->block] + row->at;
     double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
-    double *falls = g->falls[row->block] + row->at;
+    double *falls = g->falling.cells[row->block] + row->at;
     if (f->warm >= 0) velocity_row(row->n, g->components, g->size, U, u, eps);
     for (int i = 0; i < row->n; i++) {
         if (f->warm < 0)
             falls[i] = part[i] > 0 ? 0 : falls[i];
         else
             falls[i] = eps[i] < f->warm && part[i] < BED_FROZEN ? 1 : 0;
-        g->falling[row->block] |= falls[i] > 0;
+        g->falling.blocks[row->block] |= falls[i] > 0;
     }
 }
 
 void find_falling(struct gas *g, double warm, const struct state *s) {
-    g->engine->state.rows(g, EVERY_CELL, s, find_falling_row, &(struct falling){g, s, warm});
+    g->engine->state.rows(g, EVERY_CELL, s, find_falling_row, &(struct cold_search){g, s, warm});
 }
 
 /* Takes what the sources made of the last background, if that of the row's tile was the same. Returns false if they
@@ -293,7 +294,7 @@ static bool take_background(struct half_step *h, const struct row *row) {
     const struct gas *g = h->g;
     const double *from = h->from->block[row->block];
     double *to = h->to->block[row->block];
-    bool same = h->known && !(g->falls && g->falling[row->block]);
+    bool same = h->known && !(g->falling.cells && g->falling.blocks[row->block]);
     for (int v = 0; v < g->nvar && same; v++) same = bits_of(from[v * g->size]) == bits_of(h->before[v]);
     for (int v = 0; v < g->nvar; v++)
         if (same)
@@ -315,15 +316,15 @@ void source_row(void *half_step, const struct row *row) {
         U[v] = to + v * g->size + row->at;
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
-    const bool find = g->falls && h->plan->warm >= 0;
-    const bool acts = find || !h->plan->gravity_alone || g->falling[row->block];
+    const bool find = g->falling.cells && h->plan->warm >= 0;
+    const bool acts = find || !h->plan->gravity_alone || g->falling.blocks[row->block];
     const bool falling = acts && source_apply(h->plan, row->n, U, falls_of(g, row));
     if (falling && find) note_falling(g, row);
     const int bad = row_inadmissible(g, to, row->at, row->n, NULL);
     h->bad += bad;
     if (!background) return;
     for (int v = 0; v < g->nvar; v++) h->after[v] = to[v * g->size];
-    h->known = !falling && !bad && !(g->falls && g->falling[row->block]);
+    h->known = !falling && !bad && !(g->falling.cells && g->falling.blocks[row->block]);
 }
 
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to) {

@@ -71,9 +71,9 @@ static void forget_falling(struct gas *g) {
     const int blocks = g->forest ? g->forest->ntiles : 1;
     const long cells = g->forest ? g->size : g->raised_step * (long)g->nraised;
     for (int b = 0; b < blocks; b++)
-        if (g->falling[b]) {
-            memset(g->falls[b], 0, (size_t)cells * sizeof *g->falls[b]);
-            g->falling[b] = false;
+        if (g->falling.blocks[b]) {
+            memset(g->falling.cells[b], 0, (size_t)cells * sizeof *g->falling.cells[b]);
+            g->falling.blocks[b] = false;
         }
 }
 
@@ -83,7 +83,7 @@ static long half_sources(struct gas *g, double t, double dt, bool second, const 
                          const struct state *to) {
     struct source_plan plan;
     plan_sources(g, t, dt, second, &plan);
-    if (g->falls && !second && !g->hybrid) {
+    if (g->falling.cells && !second && !g->hybrid) {
         plan.warm = warm_of(g, t, dt);
         forget_falling(g);
     }
@@ -250,7 +250,7 @@ static bool guard_stage(struct gas *g, int stage, const struct state *U0, const 
 /* Gravity's half step on cells that fall freely, beside a bed: in the first half these are found. */
 static void kick_falling(struct gas *g, double t, double dt, bool second, const struct state *s) {
     struct source_plan plan;
-    if (!g->falls || g->dense->alone) return;
+    if (!g->falling.cells || g->dense->alone) return;
     plan_all(g, t, dt, second, &plan);
     source_plan_part(&plan, true);
     if (!second) forget_falling(g);
@@ -303,7 +303,7 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     struct ending ending = {.sources = sources ? &plan : NULL};
     const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->hybrid;
     g->dt = dt;
-    if (g->falls) source_gravity(&g->models.source, t, dt, g->gravity);
+    if (g->falling.cells) source_gravity(&g->models.source, t, dt, g->falling.gravity);
     if (guarded && sources && !g->hybrid && any_rank(g, bad)) return false;
     plan_sources(g, t, dt, true, &plan);
     const int stages = g->hybrid && g->dense->alone ? 0 : s->stages;

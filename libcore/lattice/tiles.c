@@ -50,9 +50,9 @@ static status make_work(struct gas *g) {
 /* Gravity needs to know which cells it acts on in the stages. */
 static status make_falls(struct gas *g) {
     if (!source_falls(&g->models.source, g->components)) return OK;
-    TRY(blocks_make(g->forest, 1, &g->falls));
-    TRY(allocate(&g->dropped, g->nraised, sizeof(double), "tiles"));
-    return allocate(&g->falling, g->forest->ntiles, sizeof(bool), "tiles");
+    TRY(blocks_make(g->forest, 1, &g->falling.cells));
+    TRY(allocate(&g->falling.dropped, g->nraised, sizeof(double), "tiles"));
+    return allocate(&g->falling.blocks, g->forest->ntiles, sizeof(bool), "tiles");
 }
 
 /* The cells on either side that the fluxes of a cell read: those of the reconstruction of its faces. A flux with rules
@@ -138,9 +138,9 @@ static void tiles_free(struct gas *g) {
     struct tiles *x = g->tiles;
     for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
     floors_free(g);
-    blocks_free(g->forest, g->falls);
-    free(g->falling);
-    free(g->dropped);
+    blocks_free(g->forest, g->falling.cells);
+    free(g->falling.blocks);
+    free(g->falling.dropped);
     if (!x) return;
     tiles_diffuser_free(g);
     blocks_free(g->forest, x->flag);

@@ -47,7 +47,7 @@ bool activity_has_background(const struct gas *g, int tile, const struct state *
 /* The marks of a tile's cold cells, in which gravity acts in another way: cells that are equal but for these soon are
  * not. NULL: there are none. */
 static const double *marks_of(const struct gas *g, int tile) {
-    return g->falls && g->falling[tile] ? g->falls[tile] : NULL;
+    return g->falling.cells && g->falling.blocks[tile] ? g->falling.cells[tile] : NULL;
 }
 
 static bool same_cell(const struct gas *g, const double *U, const double *falls, long a, long b) {
@@ -122,7 +122,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
         long reference = find_reference(g, t, U, falls);
         if (reference < 0) return false;
         for (int v = 0; v < g->nvar; v++) U[v * g->forest->size] = U[v * g->forest->size + reference];
-        if (falls) g->falls[tile][0] = falls[reference];
+        if (falls) g->falling.cells[tile][0] = falls[reference];
     }
     bool calm = true;
     for (int k = 0; k < t->n[2]; k++)

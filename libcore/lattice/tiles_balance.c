@@ -193,7 +193,7 @@ void balance_walls(const struct gas *g, int tile, struct walls *walls) {
 }
 
 bool balance_row(const struct gas *g, const struct walls *walls, const double *U, int axis, int j, long offset, int n) {
-    const double half = 0.5 * g->forest->width[axis] * g->gravity[axis];
+    const double half = 0.5 * g->forest->width[axis] * g->falling.gravity[axis];
     struct row_of_faces r = {g, U, axis, n, offset, half};
     const int low = walls->low[axis], high = walls->high[axis];
     if (axis == 0) return balance_along(&r, walls, j);

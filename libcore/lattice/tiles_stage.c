@@ -85,7 +85,7 @@ static void make_faces(const struct gas *g, const double *U, const struct strip 
     f->eps = w->eps + offset;
     f->c = w->c + offset;
     f->gruneisen = w->gruneisen + offset;
-    f->falls = g->falls != NULL;
+    f->falls = g->falling.cells != NULL;
     f->fastest = g->fastest[axis];
     f->pace = w->pace[axis];
     f->params = &g->models.flux_params;
@@ -275,7 +275,7 @@ static void update_row(struct update *u, long offset, int n, double (*residual)[
                               .dt = u->dt};
     still_row(g, n, u->dt, s.from, offset, residual);
     advance_row(g, n, &s, falls, flag);
-    if (g->falls && u->dropped) drop_row(g, n, &s, falls, flag, part, u->dropped);
+    if (g->falling.cells && u->dropped) drop_row(g, n, &s, falls, flag, part, u->dropped);
     if (part) freeze_row(g, n, &s, part);
     u->bad += row_limited(g, n, u->from + offset, u->to + offset, u->flag + offset);
     u->g->computed += n;
@@ -471,8 +471,8 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .from = from->block[tile],
                             .to = to->block[tile],
                             .flag = g->tiles->flag[tile],
-                            .falls = g->falls && g->falling[tile] ? g->falls[tile] : NULL,
-                            .dropped = g->dropped && g->tiles->flagged[tile] ? &g->dropped[tile] : NULL,
+                            .falls = g->falling.cells && g->falling.blocks[tile] ? g->falling.cells[tile] : NULL,
+                            .dropped = g->falling.dropped && g->tiles->flagged[tile] ? &g->falling.dropped[tile] : NULL,
                             .a = a,
                             .dt = dt,
                             .tile = tile};
@@ -484,7 +484,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                                 .own = own};
     struct activity *active = &g->tiles->activity;
     if (g->models.flux->paced) set_paces(g);
-    if (g->falls) balance_walls(g, tile, &sweep.pass.walls);
+    if (g->falling.cells) balance_walls(g, tile, &sweep.pass.walls);
     if (g->tally) tiles_tally_begin(g, tile, from->block[tile]);
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);

@@ -129,7 +129,8 @@ struct settled { /* the background that was advanced last, which many tiles have
 /* Advances the background of a calm tile, a cell whose residual is that of gravity alone, or takes the last one. */
 static void settle_tile(struct gas *g, int tile, const struct state *U0, const struct state *from,
                         const struct state *to, double a, double dt, struct settled *last) {
-    const double none[MAX_VAR] = {0}, *falls = g->falls && g->falling[tile] ? g->falls[tile] : NULL;
+    const double none[MAX_VAR] = {0},
+                 *falls = g->falling.cells && g->falling.blocks[tile] ? g->falling.cells[tile] : NULL;
     const struct advance s = {U0->block[tile], from->block[tile], none, 1, to->block[tile], a, dt};
     const int *n = g->forest->tile[tile].n;
     if (last->tile < 0 || falls || !same_background(g, s.U0, U0->block[last->tile]) ||

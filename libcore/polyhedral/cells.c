@@ -28,10 +28,10 @@ static status make_lines(struct gas *g) {
     for (int i = 0; i < 5; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(floors_make(g));
     if (source_falls(&g->models.source, g->components)) {
-        TRY(allocate(&g->falls, 1, sizeof(double *), "cells"));
-        TRY(allocate(&g->falls[0], m->nown, sizeof(double), "cells"));
-        TRY(allocate(&g->dropped, m->nown, sizeof(double), "cells"));
-        TRY(allocate(&g->falling, 1, sizeof(bool), "cells"));
+        TRY(allocate(&g->falling.cells, 1, sizeof(double *), "cells"));
+        TRY(allocate(&g->falling.cells[0], m->nown, sizeof(double), "cells"));
+        TRY(allocate(&g->falling.dropped, m->nown, sizeof(double), "cells"));
+        TRY(allocate(&g->falling.blocks, 1, sizeof(bool), "cells"));
     }
     TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
     TRY(allocate(&c->sums, m->nblocks, sizeof(double), "blocks"));
@@ -102,13 +102,13 @@ static void cells_free(struct gas *g) {
         free(states[i]->block);
     }
     floors_free(g);
-    double **lines[] = {g->friction, g->cooled, g->falls};
+    double **lines[] = {g->friction, g->cooled, g->falling.cells};
     for (int i = 0; i < 3; i++) {
         if (lines[i]) free(lines[i][0]);
         free(lines[i]);
     }
-    free(g->falling);
-    free(g->dropped);
+    free(g->falling.blocks);
+    free(g->falling.dropped);
     if (!c) return;
     fit_free(c->fit);
     cells_sweep_free(&c->sweep);

@@ -224,8 +224,8 @@ status cells_rest(struct gas *g, const bool *rests) {
     c->rest = r;
     TRY(s);
     for (int i = 0; i < c->polyhedra->nnear; i++) r->rests[i] = rests[c->polyhedra->cell[i]];
-    memcpy(g->gravity, g->models.source.gravity, sizeof g->gravity);
-    g->falling[0] = false;
+    memcpy(g->falling.gravity, g->models.source.gravity, sizeof g->falling.gravity);
+    g->falling.blocks[0] = false;
     take_state(g);
     fit_rest(c->fit, r->U[0], r->U[1], r->near);
     for (r->finds = VALUES; r->finds <= FORCES; r->finds++) (void)cells_stage(g, &g->U, &g->U, &g->W, 0, 0);

@@ -35,7 +35,7 @@ static status list_beside(const struct polyhedra *m, struct cells_rules *r) {
 
 status cells_rules_make(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct wanted_rules on = rules_of(g->models.flux, &g->models.flux_params, false, g->falls != NULL);
+    const struct wanted_rules on = rules_of(g->models.flux, &g->models.flux_params, false, g->falling.cells != NULL);
     if (!(on.shocks || on.expansions || on.contacts)) return OK;
     TRY(allocate(&g->cells->rules, 1, sizeof *g->cells->rules, "rules of faces"));
     struct cells_rules *r = g->cells->rules;

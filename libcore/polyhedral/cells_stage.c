@@ -366,8 +366,8 @@ static void update_chunk(struct stage *t, int at) {
     const struct polyhedra *m = c->polyhedra;
     const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
     double residuals[MAX_VAR][BATCH];
-    const double *falls = g->falls && g->falling[0] ? g->falls[0] + at : NULL, *flag = c->flagged ? c->flag + at : NULL,
-                 *part = g->hybrid ? g->dense->part[0] + at : NULL;
+    const double *falls = g->falling.cells && g->falling.blocks[0] ? g->falling.cells[0] + at : NULL,
+                 *flag = c->flagged ? c->flag + at : NULL, *part = g->hybrid ? g->dense->part[0] + at : NULL;
     const struct advance s = {.U0 = t->U0->block[0] + at,
                               .from = t->from->block[0] + at,
                               .residual = residuals[0],
@@ -382,10 +382,10 @@ static void update_chunk(struct stage *t, int at) {
         in[v] = s.from + v * m->size;
         cells_residuals(c, at, n, c->flux[v], residual[v]);
     }
-    if (g->falls) weigh_row(g, n, in, falls, flag, residual);
+    if (g->falling.cells) weigh_row(g, n, in, falls, flag, residual);
     if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
     update_rows(g, n, &s);
-    if (g->falls && flag) drop_row(g, n, &s, falls, flag, part, g->dropped + at);
+    if (g->falling.cells && flag) drop_row(g, n, &s, falls, flag, part, g->falling.dropped + at);
     if (part) freeze_row(g, n, &s, part);
     t->count += row_limited(g, n, s.from, s.to, c->flag + at);
 }

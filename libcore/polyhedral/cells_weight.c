@@ -123,7 +123,7 @@ static void find_rest(const struct gas *g, int from, int n, const double *rho, s
     for (int i = 0; i < n; i++) {
         const int mirror = w->mirror[from + i];
         const double here = q->inner[0][i], most = 0.5 * q->p[i] / here;
-        double d[MAX_DIM], across = 0, more = 0, x = fall_to(m, g->gravity, mirror, d);
+        double d[MAX_DIM], across = 0, more = 0, x = fall_to(m, g->falling.gravity, mirror, d);
         for (int k = 0; k < m->dim; k++) across += q->velocity[k][i] * m->mirror.normal[k][mirror];
         for (int j = w->start[from + i]; j < w->start[from + i + 1]; j++)
             more += w->share[j] * (rho[w->beside[j]] - here);

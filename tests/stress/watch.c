@@ -350,7 +350,7 @@ static void weigh_visit(void *context, long cell, double volume, const double U[
     const struct weighing *s = context;
     if (s->w->falls[cell] || s->w->flagged[cell]) return;
     for (int k = 0; k < s->g->components; k++) {
-        const long double kick = s->part * volume * s->dt * s->g->gravity[k];
+        const long double kick = s->part * volume * s->dt * s->g->falling.gravity[k];
         s->gained[1 + k] += kick * U[0];
         s->gained[s->g->components + 1] += kick * U[1 + k];
     }
@@ -369,7 +369,8 @@ static void drop_visit(void *context, long cell, double volume, const double U[M
     if (s->w->falls[cell] || !s->w->flagged[cell]) return;
     const long double rho = (U[0] - s->a * start[0]) / rest;
     for (int k = 0; k < s->g->components; k++) {
-        const long double kick = (long double)s->dt * s->g->gravity[k], mom = (U[1 + k] - s->a * start[1 + k]) / rest;
+        const long double kick = (long double)s->dt * s->g->falling.gravity[k],
+                          mom = (U[1 + k] - s->a * start[1 + k]) / rest;
         s->gained[1 + k] += s->part * volume * rho * kick;
         s->gained[s->g->components + 1] += s->part * volume * kick * (mom - rho * kick / 2);
     }
@@ -397,7 +398,8 @@ static long watched_stage(struct gas *g, const struct state *U0, const struct st
         w->stage++;
     }
     look_on(w, g, from);
-    for (int k = 0; k < g->components; k++) w->impulse[k] += carried(g->models.stepper, w->stage) * dt * g->gravity[k];
+    for (int k = 0; k < g->components; k++)
+        w->impulse[k] += carried(g->models.stepper, w->stage) * dt * g->falling.gravity[k];
     memset(w->flagged, 0, (size_t)g->ncells_all * sizeof *w->flagged);
     book_stage(w, g, U0, from, NULL, a, dt);
     return w->inner->stage.stage(g, U0, from, to, a, dt);
