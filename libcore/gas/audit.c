@@ -62,9 +62,9 @@ static status sum_blocks(const struct gas *g, const double *per_block, double *s
 /* Allocates what the gas itself notes for the budget. */
 static status make_notes(struct gas *g, struct audit *a) {
     TRY(allocate(&a->through, (long)GAS_EDGES * g->components * blocks_of(g), sizeof(double), "the budget"));
-    if (g->falling.dropped) TRY(allocate(&g->falling.denser, g->nraised, sizeof(double), "the budget"));
+    if (g->falling.dropped) TRY(allocate(&g->falling.denser, g->floors.places, sizeof(double), "the budget"));
     for (int k = 0; k < g->components && g->least > 0; k++)
-        TRY(allocate(&g->given[k], g->nraised, sizeof(double), "the budget"));
+        TRY(allocate(&g->floors.given[k], g->floors.places, sizeof(double), "the budget"));
     return OK;
 }
 
@@ -281,8 +281,8 @@ void audit_sourced(struct gas *g, const struct state *now) {
 
 status audit_filled(struct gas *g) {
     double sum;
-    for (int k = 0; k < g->components && g->audit && g->given[k]; k++) {
-        TRY(g->engine->stage.sum_raised(g, g->given[k], &sum));
+    for (int k = 0; k < g->components && g->audit && g->floors.given[k]; k++) {
+        TRY(g->engine->stage.sum_raised(g, g->floors.given[k], &sum));
         g->audit->given[k] += sum;
     }
     return OK;

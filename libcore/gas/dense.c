@@ -345,7 +345,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     if (d->refused) return false;
     double bad = (double)g->engine->bed.put(g, to);
     comm_max(g->comm, &bad, 1);
-    g->share = 1;
+    g->floors.share = 1;
     d->begun = false; /* from here on the floors count the cells that they raise */
     if (bad > 0 && guarded) bad = (double)floors_apply(g, to);
     comm_max(g->comm, &bad, 1);
@@ -364,8 +364,8 @@ status dense_count(struct gas *g) {
     g->counts.lifted += count[0];
     g->counts.bed_cells = count[1];
     if (count[0] == 0) return OK;
-    g->engine->bed.spread(g, d->bed.lift, g->raised);
-    TRY(g->engine->stage.sum_raised(g, g->raised, &sum));
+    g->engine->bed.spread(g, d->bed.lift, g->floors.raised);
+    TRY(g->engine->stage.sum_raised(g, g->floors.raised, &sum));
     g->counts.lift += sum;
     return OK;
 }

@@ -101,7 +101,7 @@ struct stage_hooks {
     /* Makes the cells of an inadmissible background varied cells, so that each is mended and counted by itself. NULL:
      * there are no backgrounds. */
     void (*unfold_bad)(struct gas *g, const struct state *s);
-    /* Integrates g->raised or g->fill over the domain. */
+    /* Integrates g->floors.raised or g->floors.fill over the domain. */
     status (*sum_raised)(const struct gas *g, double *raised, double *sum);
     /* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
     void (*note_limited)(struct gas *g, double place[3]);
@@ -195,7 +195,7 @@ struct bed_hooks {
     long (*put)(struct gas *g, const struct state *to);
     /* Returns the place of a cell of the bed in the lines of a block. */
     long (*seat)(const struct gas *g, int cell, int *block);
-    /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->raised. */
+    /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->floors.raised. */
     void (*spread)(struct gas *g, const double *per_block, double *raised);
 };
 

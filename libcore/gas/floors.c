@@ -6,25 +6,28 @@
 #include <stdlib.h>
 
 status floors_make(struct gas *g) {
-    TRY(allocate(&g->raised, g->nraised, sizeof(double), "the floors"));
-    for (int v = 0; v < 2 && g->least > 0; v++) TRY(allocate(&g->fill[v], g->nraised, sizeof(double), "the floors"));
+    TRY(allocate(&g->floors.raised, g->floors.places, sizeof(double), "the floors"));
+    for (int v = 0; v < 2 && g->least > 0; v++)
+        TRY(allocate(&g->floors.fill[v], g->floors.places, sizeof(double), "the floors"));
     return OK;
 }
 
 void floors_free(struct gas *g) {
-    free(g->raised);
-    for (int v = 0; v < 2; v++) free(g->fill[v]);
-    for (int k = 0; k < MAX_DIM; k++) free(g->given[k]);
+    free(g->floors.raised);
+    for (int v = 0; v < 2; v++) free(g->floors.fill[v]);
+    for (int k = 0; k < MAX_DIM; k++) free(g->floors.given[k]);
     free(g->falling.denser);
 }
 
 void floors_begin(struct gas *g) {
-    g->floored = g->filled = 0;
-    g->share = 1;
+    g->floors.floored = g->floors.filled = 0;
+    g->floors.share = 1;
     if (g->dense) g->dense->begun = false;
-    memset(g->raised, 0, (size_t)g->nraised * sizeof *g->raised);
-    for (int v = 0; v < 2 && g->least > 0; v++) memset(g->fill[v], 0, (size_t)g->nraised * sizeof *g->fill[v]);
-    for (int k = 0; k < MAX_DIM && g->given[k]; k++) memset(g->given[k], 0, (size_t)g->nraised * sizeof *g->given[k]);
+    memset(g->floors.raised, 0, (size_t)g->floors.places * sizeof *g->floors.raised);
+    for (int v = 0; v < 2 && g->least > 0; v++)
+        memset(g->floors.fill[v], 0, (size_t)g->floors.places * sizeof *g->floors.fill[v]);
+    for (int k = 0; k < MAX_DIM && g->floors.given[k]; k++)
+        memset(g->floors.given[k], 0, (size_t)g->floors.places * sizeof *g->floors.given[k]);
 }
 
 struct flooring { /* context of floor_row */
@@ -43,33 +46,33 @@ static void floor_bed_row(const struct gas *g, double *U, const double *part, in
     }
 }
 
-/* Adds a share of the momentum of a row to g->given, the momentum that the density floor gave. */
+/* Adds a share of the momentum of a row to g->floors.given, the momentum that the density floor gave. */
 static void give(const struct gas *g, const struct row *row, const double *U, double share) {
-    const int step = g->raised_step, place = row->block + step * (int)row->at;
-    for (int k = 0; k < g->components && g->given[k]; k++)
-        for (int i = 0; i < row->n; i++) g->given[k][place + i * step] += share * U[(k + 1) * g->size + i];
+    const int step = g->floors.step, place = row->block + step * (int)row->at;
+    for (int k = 0; k < g->components && g->floors.given[k]; k++)
+        for (int i = 0; i < row->n; i++) g->floors.given[k][place + i * step] += share * U[(k + 1) * g->size + i];
 }
 
 static void floor_row(void *flooring, const struct row *row) {
     struct flooring *f = flooring;
     struct gas *g = f->g;
     double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
-    const int n = row->n, step = g->raised_step, place = row->block + step * (int)row->at;
+    const int n = row->n, step = g->floors.step, place = row->block + step * (int)row->at;
     if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
     if (g->hybrid && g->dense->begun) {
         floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
         if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
     }
     if (g->least > 0) {
-        give(g, row, U, -g->share);
-        g->filled += raise_density(n, g->components, g->size, g->least, g->limit, U, bad, added);
-        give(g, row, U, g->share);
+        give(g, row, U, -g->floors.share);
+        g->floors.filled += raise_density(n, g->components, g->size, g->least, g->limit, U, bad, added);
+        give(g, row, U, g->floors.share);
         for (int v = 0; v < 2; v++)
-            for (int i = 0; i < n; i++) g->fill[v][place + i * step] += g->share * added[v][i];
+            for (int i = 0; i < n; i++) g->floors.fill[v][place + i * step] += g->floors.share * added[v][i];
     }
-    g->floored += raise_energy(n, g->components, g->size, g->least, g->limit, U, bad, raised);
+    g->floors.floored += raise_energy(n, g->components, g->size, g->least, g->limit, U, bad, raised);
     for (int i = 0; i < n; i++) {
-        g->raised[place + i * step] += raised[i];
+        g->floors.raised[place + i * step] += raised[i];
         f->bad += bad[i] > 0;
     }
 }
@@ -84,23 +87,23 @@ long floors_apply(struct gas *g, const struct state *s) {
 static status count_fill(struct gas *g) {
     double sum;
     if (!(g->least > 0)) return OK;
-    comm_sum_long(g->comm, &g->filled, 1);
-    if (!g->filled) return OK;
+    comm_sum_long(g->comm, &g->floors.filled, 1);
+    if (!g->floors.filled) return OK;
     for (int v = 0; v < 2; v++) {
-        TRY(g->engine->stage.sum_raised(g, g->fill[v], &sum));
+        TRY(g->engine->stage.sum_raised(g, g->floors.fill[v], &sum));
         g->counts.fill[v] += sum;
     }
-    g->counts.filled += g->filled;
+    g->counts.filled += g->floors.filled;
     return audit_filled(g);
 }
 
 status floors_count(struct gas *g) {
     double energy;
     TRY(count_fill(g));
-    comm_sum_long(g->comm, &g->floored, 1);
-    if (!g->floored) return OK;
-    TRY(g->engine->stage.sum_raised(g, g->raised, &energy));
-    g->counts.floored += g->floored;
+    comm_sum_long(g->comm, &g->floors.floored, 1);
+    if (!g->floors.floored) return OK;
+    TRY(g->engine->stage.sum_raised(g, g->floors.raised, &energy));
+    g->counts.floored += g->floors.floored;
     g->counts.energy += energy;
     return OK;
 }

@@ -48,9 +48,20 @@ struct falling {
     double **cells;          /* [blocks][size] 1 in cold cells, else 0; NULL without gravity */
     bool *blocks;            /* [blocks] has the block a cold cell? */
     double gravity[MAX_DIM]; /* m/s^2: mean over the step in hand */
-    double *dropped;         /* [nraised] J/m^3 that drop_row added in the redo of a stage */
-    /* [nraised] kg s/m^3, with a budget: dt times the rise of rho in the stage, in the cells that drop_row drops */
+    double *dropped;         /* [places] J/m^3 that drop_row added in the redo of a stage */
+    /* [places] kg s/m^3, with a budget: dt times the rise of rho in the stage, in the cells that drop_row drops */
     double *denser;
+};
+
+struct floors {      /* what floors and gravity added in this attempt at a step (libcore/gas/floors.c) */
+    int places;      /* where amounts are summed: one per tile, or one per cell of polyhedra */
+    int step;        /* of a row's cell i the place is block + step (at + i): 0 per tile, 1 per cell */
+    double share;    /* fraction of an amount added to the present stage that survives in the result of the step */
+    long floored;    /* cells raised to the round-off floor, on this rank */
+    double *raised;  /* [places] J/m^3 that the round-off floor added */
+    long filled;     /* cells raised to the density floor, on this rank */
+    double *fill[2]; /* [places] mass and energy per m^3 that the density floor added; NULL without it */
+    double *given[MAX_DIM]; /* [places] momentum per m^3 of that mass; NULL without a budget */
 };
 
 struct gas {
@@ -93,15 +104,8 @@ struct gas {
     struct audit *audit;      /* the budget; NULL: none is kept */
     struct tally *tally;      /* fluxes through patches; NULL: they are not kept */
 
-    long faces;     /* faces limited in the last redo, on this rank */
-    long floored;   /* cells raised to the round-off floor by this attempt at a step, on this rank */
-    double *raised; /* [nraised] J/m^3 that this attempt's round-off floor added: per tile, or per cell of polyhedra */
-    int nraised;
-    int raised_step;        /* of a row's cell i the place is block + raised_step (at + i): 0 per tile, 1 per cell */
-    long filled;            /* cells raised to the density floor by this attempt, on this rank */
-    double *given[MAX_DIM]; /* [nraised] momentum per m^3 of that mass; NULL without a budget */
-    double *fill[2]; /* [nraised] mass and energy per m^3 that the density floor added to the result; NULL without it */
-    double share;    /* fraction of an amount added to the present stage that survives in the result of the step */
+    long faces; /* faces limited in the last redo, on this rank */
+    struct floors floors;
 
     struct falling falling;
 
@@ -285,14 +289,14 @@ static inline double cross_jump(double thin, double mean, double jump, double lo
 
 /* ---- floors (libcore/gas/floors.c) ---- */
 
-/* Allocates g->nraised places for what the floors add. */
+/* Allocates g->floors.places places for what the floors add. */
 status floors_make(struct gas *g);
 void floors_free(struct gas *g);
 /* Forgets what the floors added, at the beginning of an attempt at a step. */
 void floors_begin(struct gas *g);
-/* Raises the density of cells to its floor, which g->filled counts and g->fill sums, times g->share; and their energy
- * to the round-off floor, which g->floored counts and g->raised sums. Returns the number of cells of this rank that are
- * not admissible all the same. */
+/* Raises the density of cells to its floor, which g->floors.filled counts and g->floors.fill sums, times
+ * g->floors.share; and their energy to the round-off floor, which g->floors.floored counts and g->floors.raised sums.
+ * Returns the number of cells of this rank that are not admissible all the same. */
 long floors_apply(struct gas *g, const struct state *s);
 /* Adds to g->counts what the floors did in a step that stands. Collective. */
 status floors_count(struct gas *g);

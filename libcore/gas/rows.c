@@ -141,8 +141,8 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
 }
 
 void drop_begin(const struct gas *g) {
-    if (g->falling.dropped) memset(g->falling.dropped, 0, (size_t)g->nraised * sizeof *g->falling.dropped);
-    if (g->falling.denser) memset(g->falling.denser, 0, (size_t)g->nraised * sizeof *g->falling.denser);
+    if (g->falling.dropped) memset(g->falling.dropped, 0, (size_t)g->floors.places * sizeof *g->falling.dropped);
+    if (g->falling.denser) memset(g->falling.denser, 0, (size_t)g->floors.places * sizeof *g->falling.denser);
 }
 
 void drop_row(const struct gas *g, int n, const struct advance *s, const double *falls, const double *flag,
@@ -161,9 +161,9 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
         }
         s->to[(g->components + 1) * size + i] += (1 - a) * work;
         if (part && part[i] > 0) continue;
-        dropped[i * g->raised_step] += more;
+        dropped[i * g->floors.step] += more;
         if (g->falling.denser)
-            g->falling.denser[dropped - g->falling.dropped + i * g->raised_step] += dt * (rho - s->from[i]);
+            g->falling.denser[dropped - g->falling.dropped + i * g->floors.step] += dt * (rho - s->from[i]);
     }
 }
 

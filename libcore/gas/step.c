@@ -69,7 +69,7 @@ static void plan_sources(const struct gas *g, double t, double dt, bool second, 
 /* No cell falls any more. */
 static void forget_falling(struct gas *g) {
     const int blocks = g->forest ? g->forest->ntiles : 1;
-    const long cells = g->forest ? g->size : g->raised_step * (long)g->nraised;
+    const long cells = g->forest ? g->size : g->floors.step * (long)g->floors.places;
     for (int b = 0; b < blocks; b++)
         if (g->falling.blocks[b]) {
             memset(g->falling.cells[b], 0, (size_t)cells * sizeof *g->falling.cells[b]);
@@ -121,7 +121,7 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     long cells, before = 0;
     for (; (cells = g->engine->stage.share_flags(g)) > before && !asked_to_leave(g); before = cells)
         g->engine->stage.redo(g, U0, from, to, a, dt);
-    audit_dropped(g, (1 - a) * g->share);
+    audit_dropped(g, (1 - a) * g->floors.share);
     long count[2] = {g->faces, floors_apply(g, to)};
     comm_sum_long(g->comm, count, 2);
     g->counts.cells += cells;
@@ -232,7 +232,7 @@ static bool end_unguarded(struct gas *g, const struct ending *ending, long bad, 
 /* Ends a guarded step, in which the second half of the sources left `bad` cells inadmissible; the floors may mend them.
  * Returns false if some remain inadmissible. */
 static bool end_guarded(struct gas *g, long bad) {
-    g->share = 1;
+    g->floors.share = 1;
     bad = any_rank(g, bad);
     if (bad) bad = any_rank(g, floors_apply(g, &g->V));
     audit_part(g, GAS_FLOORS, &g->V);
@@ -243,7 +243,7 @@ static bool end_guarded(struct gas *g, long bad) {
 static bool guard_stage(struct gas *g, int stage, const struct state *U0, const struct state *from, double a,
                         double dt) {
     g->guarded = GUARDED;
-    g->share = share_of(g->models.stepper, stage);
+    g->floors.share = share_of(g->models.stepper, stage);
     return mend_stage(g, U0, from, &g->W, a, dt);
 }
 
@@ -429,7 +429,7 @@ static status renewal_failure(struct gas *g) {
 static status count_step(struct gas *g) {
     if (g->guarded > 0) {
         TRY(floors_count(g));
-        if (g->filled || g->floored) g->guarded = GUARDED;
+        if (g->floors.filled || g->floors.floored) g->guarded = GUARDED;
         g->guarded--;
     }
     if (g->hybrid) TRY(dense_count(g));

@@ -51,7 +51,7 @@ static status make_work(struct gas *g) {
 static status make_falls(struct gas *g) {
     if (!source_falls(&g->models.source, g->components)) return OK;
     TRY(blocks_make(g->forest, 1, &g->falling.cells));
-    TRY(allocate(&g->falling.dropped, g->nraised, sizeof(double), "tiles"));
+    TRY(allocate(&g->falling.dropped, g->floors.places, sizeof(double), "tiles"));
     return allocate(&g->falling.blocks, g->forest->ntiles, sizeof(bool), "tiles");
 }
 
@@ -111,7 +111,7 @@ static status tiles_make(struct gas *g) {
     TRY(blocks_make(g->forest, 1, &g->tiles->flag));
     TRY(blocks_make(g->forest, 1, &g->tiles->limited));
     TRY(blocks_make(g->forest, 1, &g->tiles->held));
-    g->nraised = g->forest->ntiles;
+    g->floors.places = g->forest->ntiles;
     TRY(floors_make(g));
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(allocate(&g->tiles->sums, (long)g->nvar * g->forest->nblocks, sizeof(double), "blocks"));

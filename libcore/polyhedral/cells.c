@@ -22,8 +22,8 @@ static status make_lines(struct gas *g) {
     }
     for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
-    g->nraised = m->nown;
-    g->raised_step = 1;
+    g->floors.places = m->nown;
+    g->floors.step = 1;
     double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited, &c->held};
     for (int i = 0; i < 5; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(floors_make(g));
