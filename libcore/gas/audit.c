@@ -63,7 +63,7 @@ static status sum_blocks(const struct gas *g, const double *per_block, double *s
 static status make_notes(struct gas *g, struct audit *a) {
     TRY(allocate(&a->through, (long)GAS_EDGES * g->components * blocks_of(g), sizeof(double), "the budget"));
     if (g->falling.dropped) TRY(allocate(&g->falling.denser, g->floors.places, sizeof(double), "the budget"));
-    for (int k = 0; k < g->components && g->least > 0; k++)
+    for (int k = 0; k < g->components && g->limits.least > 0; k++)
         TRY(allocate(&g->floors.given[k], g->floors.places, sizeof(double), "the budget"));
     return OK;
 }

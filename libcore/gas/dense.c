@@ -53,7 +53,7 @@ status dense_make(struct gas *g) {
                           .params = acoustics_params(&m->acoustics_params),
                           .dim = g->dim,
                           .components = g->components,
-                          .limit = g->limit};
+                          .limit = g->limits.most};
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
     d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);

@@ -95,7 +95,7 @@ struct stage_hooks {
     /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
     long (*share_flags)(struct gas *g);
     /* Does the stage again where flags are near, with limited fluxes through the faces of flagged cells
-     * (libcore/schemes/limit.h), and counts these faces in g->faces. Flags the cells to be limited then. */
+     * (libcore/schemes/limit.h), and counts these faces in g->limits.faces. Flags the cells to be limited then. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
     /* Makes the cells of an inadmissible background varied cells, so that each is mended and counted by itself. NULL:

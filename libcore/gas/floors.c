@@ -7,7 +7,7 @@
 
 status floors_make(struct gas *g) {
     TRY(allocate(&g->floors.raised, g->floors.places, sizeof(double), "the floors"));
-    for (int v = 0; v < 2 && g->least > 0; v++)
+    for (int v = 0; v < 2 && g->limits.least > 0; v++)
         TRY(allocate(&g->floors.fill[v], g->floors.places, sizeof(double), "the floors"));
     return OK;
 }
@@ -24,7 +24,7 @@ void floors_begin(struct gas *g) {
     g->floors.share = 1;
     if (g->dense) g->dense->begun = false;
     memset(g->floors.raised, 0, (size_t)g->floors.places * sizeof *g->floors.raised);
-    for (int v = 0; v < 2 && g->least > 0; v++)
+    for (int v = 0; v < 2 && g->limits.least > 0; v++)
         memset(g->floors.fill[v], 0, (size_t)g->floors.places * sizeof *g->floors.fill[v]);
     for (int k = 0; k < MAX_DIM && g->floors.given[k]; k++)
         memset(g->floors.given[k], 0, (size_t)g->floors.places * sizeof *g->floors.given[k]);
@@ -40,9 +40,10 @@ struct flooring { /* context of floor_row */
 static void floor_bed_row(const struct gas *g, double *U, const double *part, int n) {
     double bad[BATCH], raised, added[2][BATCH];
     for (int i = 0; i < n; i++) {
-        if (part[i] == 0 || !find_bad(1, g->components, g->size, g->least, g->limit, U + i, bad)) continue;
-        if (g->least > 0) (void)raise_density(1, g->components, g->size, g->least, g->limit, U + i, bad, added);
-        (void)raise_energy(1, g->components, g->size, g->least, g->limit, U + i, bad, &raised);
+        if (part[i] == 0 || !find_bad(1, g->components, g->size, g->limits.least, g->limits.most, U + i, bad)) continue;
+        if (g->limits.least > 0)
+            (void)raise_density(1, g->components, g->size, g->limits.least, g->limits.most, U + i, bad, added);
+        (void)raise_energy(1, g->components, g->size, g->limits.least, g->limits.most, U + i, bad, &raised);
     }
 }
 
@@ -58,19 +59,19 @@ static void floor_row(void *flooring, const struct row *row) {
     struct gas *g = f->g;
     double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
     const int n = row->n, step = g->floors.step, place = row->block + step * (int)row->at;
-    if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
+    if (!find_bad(n, g->components, g->size, g->limits.least, g->limits.most, U, bad)) return;
     if (g->hybrid && g->dense->begun) {
         floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
-        if (!find_bad(n, g->components, g->size, g->least, g->limit, U, bad)) return;
+        if (!find_bad(n, g->components, g->size, g->limits.least, g->limits.most, U, bad)) return;
     }
-    if (g->least > 0) {
+    if (g->limits.least > 0) {
         give(g, row, U, -g->floors.share);
-        g->floors.filled += raise_density(n, g->components, g->size, g->least, g->limit, U, bad, added);
+        g->floors.filled += raise_density(n, g->components, g->size, g->limits.least, g->limits.most, U, bad, added);
         give(g, row, U, g->floors.share);
         for (int v = 0; v < 2; v++)
             for (int i = 0; i < n; i++) g->floors.fill[v][place + i * step] += g->floors.share * added[v][i];
     }
-    g->floors.floored += raise_energy(n, g->components, g->size, g->least, g->limit, U, bad, raised);
+    g->floors.floored += raise_energy(n, g->components, g->size, g->limits.least, g->limits.most, U, bad, raised);
     for (int i = 0; i < n; i++) {
         g->floors.raised[place + i * step] += raised[i];
         f->bad += bad[i] > 0;
@@ -86,7 +87,7 @@ long floors_apply(struct gas *g, const struct state *s) {
 
 static status count_fill(struct gas *g) {
     double sum;
-    if (!(g->least > 0)) return OK;
+    if (!(g->limits.least > 0)) return OK;
     comm_sum_long(g->comm, &g->floors.filled, 1);
     if (!g->floors.filled) return OK;
     for (int v = 0; v < 2; v++) {

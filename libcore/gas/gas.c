@@ -10,14 +10,14 @@ static status make(const struct gas *like, struct gas **out) {
     *g = *like;
     if (g->components < g->dim) g->components = g->dim; /* models->components is 0: as many as the mesh has axes */
     g->nvar = g->components + 2;
-    g->first_order = reconstruct_find("firstOrder");
+    g->limits.first_order = reconstruct_find("firstOrder");
     if (g->models.transport) g->models.skip_uniform = false;
     g->terms = transport_terms(g->models.transport, &g->models.transport_params);
-    g->limit = density_limit(g->models.eos, &g->models.material);
-    g->parts = !gas_can_collapse(g);
+    g->limits.most = density_limit(g->models.eos, &g->models.material);
+    g->limits.crowds = !gas_can_collapse(g);
     for (int p = 0; p < g->npatches; p++) g->fed |= patch_feeds(&g->rules[p]);
     if (g->models.alpha_floor > 0)
-        g->least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
+        g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->state.make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->implicit);
     if (!s) s = dense_make(g);
@@ -185,10 +185,11 @@ status gas_check(const struct gas *g) {
         g->engine->state.place(g, b.cell.block, b.cell.at, place);
         s = fail(ERR_STATE,
                  "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
-                 place[0], place[1], place[2], U[0], g->least, g->limit, T,
-                 g->least > 0 ? "; the least density is that of alphaFloor in `limits` of system/fvSolution: raise the "
-                                "field, or lower alphaFloor"
-                              : "");
+                 place[0], place[1], place[2], U[0], g->limits.least, g->limits.most, T,
+                 g->limits.least > 0
+                     ? "; the least density is that of alphaFloor in `limits` of system/fvSolution: raise the "
+                       "field, or lower alphaFloor"
+                     : "");
     }
     return comm_agree(g->comm, s);
 }

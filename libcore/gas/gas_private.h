@@ -64,6 +64,13 @@ struct floors {      /* what floors and gravity added in this attempt at a step 
     double *given[MAX_DIM]; /* [places] momentum per m^3 of that mass; NULL without a budget */
 };
 
+struct limits { /* of admissible states, and the limiting of fluxes that keeps to them (libcore/schemes/limit.h) */
+    double least, most; /* least < rho < most; least is 0, or the density floor less round-off */
+    bool crowds;        /* are crowded cells limited (find_crowded)? no, if the gas may collapse: it packs by itself */
+    const struct reconstruct *first_order; /* of the fluxes that limiting moves towards */
+    long faces;                            /* faces limited in the last redo, on this rank */
+};
+
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
@@ -83,16 +90,14 @@ struct gas {
     status (*renew)(void *renewer, double t); /* of gas_vary; NULL: the values of patches do not change */
     void *renewer;
     status unrenewed; /* why they could not be renewed in this step */
-    const struct reconstruct *first_order;
+    struct limits limits;
 
     struct state U;          /* the state between steps */
     struct state U0;         /* after the first half of the sources: the start of the Runge-Kutta step */
     struct state V, W;       /* results of stages, and scratch */
     double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */
     double dt;               /* s: the Runge-Kutta step in hand, for fluxes that depend on it */
-    double least, limit;     /* admissible: least < rho < limit; least is 0, or the density floor less round-off */
-    bool parts; /* are crowded cells limited (find_crowded)? no, if the gas may collapse: it packs by itself */
-    struct gas_speed speed; /* wave speeds of U, if speed_known */
+    struct gas_speed speed;  /* wave speeds of U, if speed_known */
     bool speed_known;
 
     int guarded;              /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
@@ -104,7 +109,6 @@ struct gas {
     struct audit *audit;      /* the budget; NULL: none is kept */
     struct tally *tally;      /* fluxes through patches; NULL: they are not kept */
 
-    long faces; /* faces limited in the last redo, on this rank */
     struct floors floors;
 
     struct falling falling;
@@ -272,8 +276,8 @@ void find_falling(struct gas *g, double warm, const struct state *s);
  * by 1 at each of them, unless marks is NULL. */
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks);
 /* Returns the number of states that a stage took from `from` to `to`, n <= BATCH of a block, whose fluxes are to be
- * limited: inadmissible ones, and where g->parts those whose density rose next to its limit. Raises flags[i] by 1 or
- * more there. */
+ * limited: inadmissible ones, and where g->limits.crowds those whose density rose next to its limit. Raises flags[i] by
+ * 1 or more there. */
 int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags);
 
 /* ---- the heat flux of grad rho ---- */

@@ -58,7 +58,7 @@ static void unpack(const struct gas *g, const struct patch_rules *r, const struc
     on.layer = 0;
     apply(&r->density, &on, 0, 1, -1, NULL, inner, plain);
     for (int i = 0; i < l->n; i++)
-        if (!(ghost[0][i] < PACKED * g->limit)) ghost[0][i] = plain[0][i];
+        if (!(ghost[0][i] < PACKED * g->limits.most)) ghost[0][i] = plain[0][i];
 }
 
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],

@@ -206,14 +206,14 @@ static int raise_marks(int n, const double *bad, double *marks) {
 
 int row_inadmissible(const struct gas *g, const double *U, long offset, int n, double *marks) {
     double bad[BATCH];
-    if (!find_bad(n, g->components, g->size, g->least, g->limit, U + offset, bad)) return 0;
+    if (!find_bad(n, g->components, g->size, g->limits.least, g->limits.most, U + offset, bad)) return 0;
     return raise_marks(n, bad, marks ? marks + offset : NULL);
 }
 
 int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags) {
     double bad[BATCH];
-    const bool out = find_bad(n, g->components, g->size, g->least, g->limit, to, bad);
-    const bool crowded = g->parts && find_crowded(n, g->limit, from, to, bad);
+    const bool out = find_bad(n, g->components, g->size, g->limits.least, g->limits.most, to, bad);
+    const bool crowded = g->limits.crowds && find_crowded(n, g->limits.most, from, to, bad);
     return out || crowded ? raise_marks(n, bad, flags) : 0;
 }
 

@@ -122,7 +122,7 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     for (; (cells = g->engine->stage.share_flags(g)) > before && !asked_to_leave(g); before = cells)
         g->engine->stage.redo(g, U0, from, to, a, dt);
     audit_dropped(g, (1 - a) * g->floors.share);
-    long count[2] = {g->faces, floors_apply(g, to)};
+    long count[2] = {g->limits.faces, floors_apply(g, to)};
     comm_sum_long(g->comm, count, 2);
     g->counts.cells += cells;
     g->counts.faces += count[0];

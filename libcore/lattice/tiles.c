@@ -377,7 +377,7 @@ void speed_visit(void *context, long offset, int n) {
     for (int i = 0; s->wanted > 0 && s->found < 0 && i < n; i++)
         if (rate[i] == s->wanted) s->found = offset + i;
     s->most.rate = larger(s->most.rate, largest(n, rate));
-    calm_row(n, PACKED * g->limit, s->U + offset, rate);
+    calm_row(n, PACKED * g->limits.most, s->U + offset, rate);
     s->most.calm = larger(s->most.calm, largest(n, rate));
 }
 

@@ -115,11 +115,11 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     if (!any) return;
     f.n = s->n;
     for (int v = 0; v < g->nvar; v++) memcpy(limited[v], out[v] + column, (size_t)s->n * sizeof(double));
-    limit_faces(&f, g->least, g->limit, theta);
+    limit_faces(&f, g->limits.least, g->limits.most, theta);
     for (int i = 0; i < s->n; i++) {
         if (flag[i] + flag[i + f.stride] == 0) continue;
         for (int v = 0; v < g->nvar; v++) out[v][column + i] = limited[v][i];
-        g->faces += theta[i] < 1 && is_counted(g, s, i);
+        g->limits.faces += theta[i] < 1 && is_counted(g, s, i);
     }
 }
 
@@ -162,11 +162,11 @@ static void flatten_packed(const struct gas *g, const double *U, const struct st
                            double (*out)[BATCH], int column) {
     double packed[BATCH], lower[MAX_VAR][BATCH];
     struct faces f;
-    if (!find_packed(s->n, g->forest->stride[s->axis], PACKED * g->limit, U + s->offset, packed)) return;
+    if (!find_packed(s->n, g->forest->stride[s->axis], PACKED * g->limits.most, U + s->offset, packed)) return;
     const struct strip part = strip_of_chosen(s, packed);
     const int skipped = part.column - s->column;
     make_faces(g, U, &part, lower, 0, &f);
-    g->models.flux->through(&f, g->models.eos, &g->models.material, g->first_order);
+    g->models.flux->through(&f, g->models.eos, &g->models.material, g->limits.first_order);
     for (int i = skipped; i < skipped + part.n; i++)
         for (int v = 0; v < g->nvar && packed[i] > 0 && !(flat && flat[i] > 0); v++)
             out[v][column + i] = lower[v][i - skipped];

@@ -69,7 +69,7 @@ void tiles_clear_flags(struct gas *g) {
 
 void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt) {
-    g->faces = 0;
+    g->limits.faces = 0;
     drop_begin(g);
     for (int t = 0; t < g->forest->ntiles; t++)
         if (g->tiles->flagged[t]) {

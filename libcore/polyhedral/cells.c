@@ -85,7 +85,7 @@ static status cells_make(struct gas *g) {
     TRY(make_lines(g));
     measure_cells(c);
     TRY(make_fit(g));
-    fit_keep(c->fit, g->least, g->limit);
+    fit_keep(c->fit, g->limits.least, g->limits.most);
     TRY(cells_sweep_make(c->polyhedra, c->fit, &c->sweep));
     TRY(cells_sides_make(c->polyhedra, &c->sides));
     TRY(cells_rules_make(g));
@@ -273,7 +273,7 @@ static void cells_speed(struct gas *g, struct gas_speed *speed) {
         rate_batch(g, from, n, &q, rate, fast);
         for (int i = 0; i < n; i++) {
             most[0] = larger(most[0], rate[i]);
-            most[1] = larger(most[1], rho[i] < PACKED * g->limit ? rate[i] : 0);
+            most[1] = larger(most[1], rho[i] < PACKED * g->limits.most ? rate[i] : 0);
             most[2] = larger(most[2], fast[i]);
             most[3] = larger(most[3], q.p[i]);
             least = smaller(least, q.p[i]);

@@ -484,7 +484,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         end_batch(g, what, in, out, dt, at, n);
-        if (!find_bad(n, g->components, m->size, g->least, g->limit, out[0] + at, bad)) continue;
+        if (!find_bad(n, g->components, m->size, g->limits.least, g->limits.most, out[0] + at, bad)) continue;
         for (int i = 0; i < n; i++) {
             d->mark[at + i] += bad[i];
             count += bad[i] > 0;

@@ -110,7 +110,7 @@ static void flatten_packed(const struct gas *g, const struct points *p, const do
                            const double (*average)[BATCH], double (*at)[BATCH]) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     for (int i = 0; i < p->n; i++)
-        if (larger(rho[f->left[p->face[i]]], rho[f->right[p->face[i]]]) > PACKED * g->limit)
+        if (larger(rho[f->left[p->face[i]]], rho[f->right[p->face[i]]]) > PACKED * g->limits.most)
             for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
 }
 
@@ -128,7 +128,7 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     fit_points(c->fit, side, from, p->n, U, out);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
     if (c->rest) cells_rest_add(g, from, p->n, cell, at);
-    limit_towards(p->n, g->components, g->least, g->limit, (const double(*)[BATCH])average, at, theta);
+    limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
@@ -248,7 +248,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     struct faces faces = point_primitives(g, p);
     if (p->ruled) set_rules(g, from, p, &faces);
     if (cells_fronts_floor(g, p->n, p->face, p->floor)) set_floors(p, &faces);
-    g->models.flux->through(&faces, g->models.eos, &g->models.material, g->first_order);
+    g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
     out_of_frames(g, p, p->out);
     for (int v = 0; v < g->nvar; v++)
         if (single)
@@ -273,12 +273,12 @@ static void limit_batch(struct gas *g, const double *const *U, struct points *p)
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < p->n; i++) p->out[v][i] = c->flux[v][p->face[i]] / f->area[p->face[i]];
     into_frames(g, p, p->out);
-    limit_faces(&faces, g->least, g->limit, theta);
+    limit_faces(&faces, g->limits.least, g->limits.most, theta);
     out_of_frames(g, p, p->out);
     for (int i = 0; i < p->n; i++) {
         const int face = p->face[i];
         if (theta[i] == 1) continue;
-        g->faces += f->left[face] < c->polyhedra->nown;
+        g->limits.faces += f->left[face] < c->polyhedra->nown;
         for (int v = 0; v < g->nvar; v++) c->flux[v][face] = f->area[face] * p->out[v][i];
     }
 }
@@ -458,7 +458,7 @@ void cells_redo(struct gas *g, const struct state *U0, const struct state *from,
     double *line[MAX_VAR];
     cells_lines(g, from, line);
     struct stage t = {g, U0, from, to, (const double *const *)line, a, dt, 0};
-    g->faces = 0;
+    g->limits.faces = 0;
     drop_begin(g);
     sweep(&t);
     (void)finish_sweep(&t);

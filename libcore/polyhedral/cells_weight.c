@@ -130,7 +130,7 @@ static void find_rest(const struct gas *g, int from, int n, const double *rho, s
         x *= smaller(larger(2 - 2 * fabs(across) / sqrt(q->c2[i]), 0), 1);
         x = smaller(larger(x, -most), most);
         const double room = here * smaller(fabs(x) / most, 0.5);
-        q->rho[i] = here + smaller(smaller(larger(more, -room), room), 0.5 * (g->limit - here));
+        q->rho[i] = here + smaller(smaller(larger(more, -room), room), 0.5 * (g->limits.most - here));
         q->p[i] += 0.5 * x * (here + q->rho[i]);
     }
 }

@@ -205,7 +205,7 @@ static status fill(struct scene *s, double *packed) {
         double x[3], v[3];
         place_of(s, i, x);
         problem_state(s->problem, x, &all[i], v, &all[n + i]);
-        *packed = larger(*packed, all[i] / s->gas->limit);
+        *packed = larger(*packed, all[i] / s->gas->limits.most);
         for (int k = 0; k < 3; k++) u[k][i] = v[k];
     }
     status e = gas_set(s->gas, all, (const double *const *)u, all + n);
@@ -216,7 +216,7 @@ static status fill(struct scene *s, double *packed) {
 /* Root's state and its checksum (FNV-1a), the same on all ranks. */
 static status look_at_end(const struct scene *s, struct outcome *out) {
     long n = s->cells;
-    double *all, *U[MAX_VAR], limit = s->gas->limit;
+    double *all, *U[MAX_VAR], limit = s->gas->limits.most;
     TRY(allocate(&all, MAX_VAR * n, sizeof *all, "the state"));
     for (int v = 0; v < MAX_VAR; v++) U[v] = all + v * n;
     status e = gas_get_conserved(s->gas, U);

@@ -65,7 +65,7 @@ static void look_visit(void *context, long cell, double volume, const double U[M
     const int d = m->disks ? 2 : 3;
     long double nu = 3.14159265358979323846L / (2 * d) * U[0] * powl(m->diameter, d) / m->mass;
     /* the bound on rho is itself rounded, once or twice */
-    if (fine && isfinite(g->limit)) fine = nu / m->alpha_max < 1 + 4 * 0x1p-52L;
+    if (fine && isfinite(g->limits.most)) fine = nu / m->alpha_max < 1 + 4 * 0x1p-52L;
     long double energy = fine ? U[g->components + 1] - kinetic(g->components, U) : 0;
     if (fine && energy > 0) return;
     if (!l->bad++)

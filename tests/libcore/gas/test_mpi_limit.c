@@ -36,7 +36,7 @@ static void open_lattice(struct scene *s, const struct comm *c, int dim, const i
 /* Near vacuum, near packing, between; Mach numbers to 1000. */
 static void start_at_random(struct scene *s, uint64_t from) {
     const int n = s->cells;
-    const double limit = s->gas->limit;
+    const double limit = s->gas->limits.most;
     double *all = malloc(5 * (size_t)n * sizeof *all), *u[3] = {all + n, all + 2 * n, all + 3 * n};
     seed = from;
     for (int i = 0; i < n; i++) {
@@ -64,7 +64,7 @@ static double speed_of(const struct gas *g, const double *U, long size, const do
 static double face_speed(const struct gas *g, const double *l, const double *r, long size, const double *normal) {
     double vl, vr, s = speed_of(g, l, size, normal, &vl);
     s = fmax(s, speed_of(g, r, size, normal, &vr));
-    return fmax(s, (*l * vl - *r * vr) / (g->limit - fmax(*l, *r)));
+    return fmax(s, (*l * vl - *r * vr) / (g->limits.most - fmax(*l, *r)));
 }
 
 struct rates { /* sum of A s / V: K is dt times that */
@@ -136,7 +136,7 @@ static long limited_stage(struct gas *g, struct state *U0, double a, double dt) 
     g->U = g->W;
     g->W = old;
     g->speed_known = false;
-    long faces = g->faces;
+    long faces = g->limits.faces;
     comm_sum_long(g->comm, &faces, 1);
     return faces;
 }
