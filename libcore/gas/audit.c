@@ -40,8 +40,8 @@ static void floors_of(const struct gas *g, double floors[2]) {
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
     known[GAS_FLOORS] = true;
     known[GAS_DILATION] = g->terms.dilation;
-    for (int p = 0; p < g->npatches; p++) {
-        const struct patch_rules *r = &g->rules[p];
+    for (int p = 0; p < g->patches.n; p++) {
+        const struct patch_rules *r = &g->patches.rules[p];
         if (!r->velocity.type) continue;
         const bool open = !patch_is_wall(r), viscous = g->models.transport != NULL;
         known[GAS_FLOW] |= open;
@@ -296,7 +296,7 @@ struct leaving { /* context of leave_face: a block's place in audit.through */
 
 static void leave_face(void *leaving, const struct gas_face *face) {
     const struct leaving *l = leaving;
-    const int edge = patch_is_wall(&l->g->rules[face->patch]) ? GAS_WALLS : GAS_OPEN;
+    const int edge = patch_is_wall(&l->g->patches.rules[face->patch]) ? GAS_WALLS : GAS_OPEN;
     for (int k = 0; k < l->g->components; k++)
         l->through[(long)(edge * l->g->components + k) * l->blocks] +=
             l->g->tally->dt * (face->pressure[k] + face->viscous[k]);

@@ -15,7 +15,7 @@ static status make(const struct gas *like, struct gas **out) {
     g->terms = transport_terms(g->models.transport, &g->models.transport_params);
     g->limits.most = density_limit(g->models.eos, &g->models.material);
     g->limits.crowds = !gas_can_collapse(g);
-    for (int p = 0; p < g->npatches; p++) g->fed |= patch_feeds(&g->rules[p]);
+    for (int p = 0; p < g->patches.n; p++) g->patches.fed |= patch_feeds(&g->patches.rules[p]);
     if (g->models.alpha_floor > 0)
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->state.make(g);
@@ -38,8 +38,7 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .ncells_all = f->ncells_all,
                           .images = f->images,
                           .models = *models,
-                          .npatches = npatches,
-                          .rules = rules};
+                          .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
 }
 
@@ -53,8 +52,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .ncells_all = grid->ncells_all,
                           .images = 1,
                           .models = *models,
-                          .npatches = npatches,
-                          .rules = rules};
+                          .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
 }
 
@@ -65,7 +63,7 @@ void gas_free(struct gas *g) {
     g->engine->state.free(g);
     audit_free(g->audit);
     tally_free(g->tally);
-    status_free(g->unrenewed);
+    status_free(g->patches.failed);
     free(g);
 }
 
@@ -199,12 +197,12 @@ void gas_heed(struct gas *g, bool (*asked)(void)) {
 }
 
 void gas_vary(struct gas *g, status (*renew)(void *context, double t), void *context) {
-    g->renew = renew;
-    g->renewer = context;
+    g->patches.renew = renew;
+    g->patches.renewer = context;
 }
 
 void renew_patches(struct gas *g, double t) {
-    if (g->renew && !g->unrenewed) g->unrenewed = g->renew(g->renewer, t);
+    if (g->patches.renew && !g->patches.failed) g->patches.failed = g->patches.renew(g->patches.renewer, t);
 }
 
 void gas_speed(struct gas *g, struct gas_speed *speed) {

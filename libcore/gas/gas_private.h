@@ -71,6 +71,15 @@ struct limits { /* of admissible states, and the limiting of fluxes that keeps t
     long faces;                            /* faces limited in the last redo, on this rank */
 };
 
+struct patches {
+    int n;
+    const struct patch_rules *rules;          /* [n] */
+    bool fed;                                 /* is there a patch that gives the mass that flows in? */
+    status (*renew)(void *renewer, double t); /* of gas_vary; NULL: the values of patches do not change */
+    void *renewer;
+    status failed; /* why they could not be renewed in this step */
+};
+
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
@@ -80,16 +89,12 @@ struct gas {
     struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
     struct transport_terms terms; /* what the transport law asks for */
-    int dim, npatches, ncells_all;
-    int components;                  /* of u: those along the dim axes of the mesh, then those it does not resolve */
-    int nvar;                        /* components + 2: rho, rho u, E */
-    long images;                     /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
-    long size;                       /* numbers in a line of a block: the distance from one variable to the next */
-    const struct patch_rules *rules; /* [npatches] */
-    bool fed;                        /* is there a patch that gives the mass that flows in? */
-    status (*renew)(void *renewer, double t); /* of gas_vary; NULL: the values of patches do not change */
-    void *renewer;
-    status unrenewed; /* why they could not be renewed in this step */
+    int dim, ncells_all;
+    int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
+    int nvar;       /* components + 2: rho, rho u, E */
+    long images;    /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
+    long size;      /* numbers in a line of a block: the distance from one variable to the next */
+    struct patches patches;
     struct limits limits;
 
     struct state U;          /* the state between steps */

@@ -231,7 +231,7 @@ static bool two_stages(struct implicit *m, struct problem *p, double gamma) {
     const int rows = p->system.rows;
     if (!one_stage(m, p, gamma)) return false;
     for (int k = 0; k < rows; k++) m->f[k] += (1 - gamma) / gamma * m->moved[k] + (1 - gamma) * m->source[k];
-    if (p->gas->renew) {
+    if (p->gas->patches.renew) {
         renew_patches(p->gas, p->t + p->factor / gamma);
         operate(p, m->q, true, m->moved);
     }
@@ -280,7 +280,7 @@ static void change_edges(struct implicit *m, struct problem *p, double s) {
 static bool gauss_stages(struct implicit *m, struct problem *p, double s) {
     const int rows = p->system.rows;
     memcpy(m->mean, m->q, (size_t)rows * sizeof *m->mean);
-    if (p->gas->renew) change_edges(m, p, s);
+    if (p->gas->patches.renew) change_edges(m, p, s);
     for (int k = 0; k < rows; k++) m->f[k] = m->q[k] + s * m->source[k];
     operate(p, m->q, true, m->moved);
     if (!stage(m, p, m->f, m->q)) return false;

@@ -151,7 +151,7 @@ static void open_values(const struct gas *g, const struct patch_rules *r, int n,
 
 bool gas_on_patch(const struct gas *g, int patch, int n, const int *face, double *const normal[3], const double *gap,
                   double *const q[MAX_VAR]) {
-    const struct patch_rules *r = &g->rules[patch];
+    const struct patch_rules *r = &g->patches.rules[patch];
     for (int at = 0; at < n && r->velocity.type; at += BATCH) {
         const int m = n - at < BATCH ? n - at : BATCH;
         double *const to[3] = {normal[0] + at, normal[1] + at, normal[2] + at}, *part[MAX_VAR] = {NULL};

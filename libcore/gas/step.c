@@ -39,7 +39,7 @@ static double part_of(const struct stepper *s, int stage) {
 
 /* Gives the patches their values at the time of a stage. */
 static void set_time(struct gas *g, double t, double dt, int stage) {
-    if (g->renew) renew_patches(g, t + part_of(g->models.stepper, stage) * dt);
+    if (g->patches.renew) renew_patches(g, t + part_of(g->models.stepper, stage) * dt);
 }
 
 /* Returns the eps above which cells are warm. */
@@ -420,8 +420,8 @@ static status bed_failure(struct gas *g) {
 
 /* Returns the error of values of patches that could not be renewed in an attempt; OK: there was none. */
 static status renewal_failure(struct gas *g) {
-    const status s = g->unrenewed;
-    g->unrenewed = OK;
+    const status s = g->patches.failed;
+    g->patches.failed = OK;
     return s;
 }
 

@@ -49,8 +49,8 @@ void gas_fastest_cell(struct gas *g, const struct gas_speed *speed, struct gas_c
  * to the gas; NULL: nothing does. */
 static const char *fed_by(const struct gas *g) {
     const char *found = NULL;
-    for (int p = 0; p < g->npatches; p++) {
-        const struct patch_rules *r = &g->rules[p];
+    for (int p = 0; p < g->patches.n; p++) {
+        const struct patch_rules *r = &g->patches.rules[p];
         if (!r->velocity.type || patch_is_wall(r)) continue;
         const bool rho = rule_holds(&r->density), u = rule_holds(&r->velocity), T = rule_holds(&r->temperature);
         if (rho && !T) return "gives the density and leaves T free, so that nothing bounds T there: give T (or p), too";

@@ -207,7 +207,8 @@ void activity_unfold(const struct gas *g, int tile, const struct state *s) {
 static bool is_quiet(const struct gas *g, const struct state *s, int tile, int side) {
     const struct tile *t = &g->forest->tile[tile];
     const int other = t->side[side].neighbour, patch = t->side[side].patch;
-    if (patch >= 0 && (patch_needs_values(&g->rules[patch]) || patch_is_wall(&g->rules[patch]))) return false;
+    if (patch >= 0 && (patch_needs_values(&g->patches.rules[patch]) || patch_is_wall(&g->patches.rules[patch])))
+        return false;
     if (patch >= 0) return layers_calm(g, s, tile, layers_inside(g, t, side));
     if (other < 0) return false;
     if (!same_background(g, s->block[tile], s->block[other])) return false;

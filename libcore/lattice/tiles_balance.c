@@ -187,8 +187,8 @@ void balance_walls(const struct gas *g, int tile, struct walls *walls) {
     const struct tile *t = &g->forest->tile[tile];
     for (int k = 0; k < g->dim; k++) {
         const int low = t->side[2 * k].patch, high = t->side[2 * k + 1].patch;
-        walls->low[k] = low >= 0 && patch_is_wall(&g->rules[low]) ? -1 : INT_MIN / 2;
-        walls->high[k] = high >= 0 && patch_is_wall(&g->rules[high]) ? t->n[k] - 1 : INT_MAX / 2;
+        walls->low[k] = low >= 0 && patch_is_wall(&g->patches.rules[low]) ? -1 : INT_MIN / 2;
+        walls->high[k] = high >= 0 && patch_is_wall(&g->patches.rules[high]) ? t->n[k] - 1 : INT_MAX / 2;
     }
 }
 

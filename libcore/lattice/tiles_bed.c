@@ -386,7 +386,7 @@ static int kind_of(const struct gas *g, struct seat s, int axis, bool above, int
     if (neighbour >= 0) return BED_INNER;
     const int patch = patch_beyond(g, s, axis, above);
     if (patch < 0) return BED_KEPT;
-    return patch_is_wall(&g->rules[patch]) ? BED_WALL : BED_HELD;
+    return patch_is_wall(&g->patches.rules[patch]) ? BED_WALL : BED_HELD;
 }
 
 /* The place of a cell's lower or upper face along an axis in the list of the cells' faces. */

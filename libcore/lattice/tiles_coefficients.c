@@ -182,7 +182,7 @@ void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *conte
     for (int side = 0; side < 2 * g->dim; side++) {
         const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
         if (t->side[side].patch < 0) continue;
-        struct edge e = {.rules = &g->rules[t->side[side].patch], .normal = axis, .step = f->stride[across]};
+        struct edge e = {.rules = &g->patches.rules[t->side[side].patch], .normal = axis, .step = f->stride[across]};
         for (int k = 0; k < t->n[deep]; k++)
             for (int start = 0; start < t->n[across]; start += BATCH) {
                 e.from = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +

@@ -312,7 +312,7 @@ static void slide_edge(struct gas *g, int tile, const struct edge *e, const void
 static bool slides_anywhere(const struct gas *g, const struct tile *t) {
     bool slides = false;
     for (int side = 0; side < 2 * g->dim; side++)
-        if (t->side[side].patch >= 0) slides |= wall_slides(&g->rules[t->side[side].patch]);
+        if (t->side[side].patch >= 0) slides |= wall_slides(&g->patches.rules[t->side[side].patch]);
     return slides;
 }
 

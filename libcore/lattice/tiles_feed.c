@@ -4,8 +4,8 @@
 #include "libcore/lattice/tiles.h"
 
 bool tiles_fed(const struct gas *g, int tile, int side) {
-    const int patch = g->fed ? g->forest->tile[tile].side[side].patch : -1;
-    return patch >= 0 && patch_feeds(&g->rules[patch]);
+    const int patch = g->patches.fed ? g->forest->tile[tile].side[side].patch : -1;
+    return patch >= 0 && patch_feeds(&g->patches.rules[patch]);
 }
 
 /* The face within the patch at a side of a tile that the cell at `offset` has. */
@@ -24,7 +24,7 @@ static void feed(const struct gas *g, const double *U, const struct strip *s, in
                  double (*out)[BATCH], int column) {
     const struct forest *f = g->forest;
     const struct tile *t = &f->tile[s->tile];
-    const struct patch_rules *r = &g->rules[t->side[side].patch];
+    const struct patch_rules *r = &g->patches.rules[t->side[side].patch];
     const double sign = side % 2 ? -1 : 1; /* of what flows in */
     const long step = f->stride[s->axis];
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], into[BATCH] = {0};

@@ -22,7 +22,7 @@ static void fill_line(const struct gas *g, const struct patch_rules *r, struct l
         for (int i = 0; i < n; i++) outflow[i] = l->out * (mom[i * l->step] / rho[i * l->step]);
         l->patch.outflow = outflow;
     }
-    if (g->renew && l->inward && patch_needs_values(r)) {
+    if (g->patches.renew && l->inward && patch_needs_values(r)) {
         for (int v = 0; v < g->nvar; v++)
             for (int i = 0; i < n; i++) next[v][i] = U[v * size + l->first + l->inward + i * l->step];
         l->patch.next = next;
@@ -44,7 +44,7 @@ static int image(int m, int n) {
 static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int high, int layers, double *U) {
     const struct forest *f = g->forest;
     const struct side *side = &t->side[2 * axis + high];
-    const struct patch_rules *r = &g->rules[side->patch];
+    const struct patch_rules *r = &g->patches.rules[side->patch];
     int across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2; /* the other axes */
     long inward = high ? -f->stride[axis] : f->stride[axis];
     for (int k = 0; k < t->n[deep]; k++)

@@ -93,7 +93,7 @@ static double beyond_one(const struct filling *v, int tile, long offset, int sid
         inner[c][0] = 1;
         start[c][0] = 0;
     }
-    sums_beyond(&g->rules[s->patch], v->what, &line);
+    sums_beyond(&g->patches.rules[s->patch], v->what, &line);
     return ghost[v->unknown][0];
 }
 

@@ -182,7 +182,7 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, f.flat, out, column);
     if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
-    if (g->fed) tiles_feed(g, U, s, out, column);
+    if (g->patches.fed) tiles_feed(g, U, s, out, column);
     if (tiles_hold_bed(g, s->tile)) tiles_note_fluxes(g, s, out, column);
     if (g->tally) tiles_tally(g, s, out, column);
 }

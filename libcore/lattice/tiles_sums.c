@@ -47,7 +47,7 @@ KERNEL static void first_sums(long n, double factor, const double *restrict star
 static bool beyond_counts(const struct gas *g, const struct tile *t) {
     bool counts = false;
     for (int side = 0; side < 2 * g->dim; side++)
-        if (t->side[side].patch >= 0) counts |= patch_needs_values(&g->rules[t->side[side].patch]);
+        if (t->side[side].patch >= 0) counts |= patch_needs_values(&g->patches.rules[t->side[side].patch]);
     return counts;
 }
 

@@ -65,7 +65,7 @@ static status make_fit(struct gas *g) {
         return fit_make(m, g->models.polynomial, g->components, NULL, &c->fit);
     TRY(allocate(&unknown, m->mirror.n, sizeof *unknown, "mirrors"));
     for (int i = 0; i < m->mirror.n; i++) {
-        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        const struct patch_rules *r = &g->patches.rules[m->mirror.patch[i]];
         unknown[i] = wall_drags(r) || wall_conducts(r);
     }
     const status s = fit_make(m, g->models.polynomial, g->components, unknown, &c->fit);

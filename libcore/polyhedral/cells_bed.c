@@ -219,7 +219,7 @@ static void seat_cells(struct gas *g) {
 static int kind_of(const struct gas *g, int face, int left, int right) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     if (face < f->ninternal) return left < 0 || right < 0 ? BED_KEPT : BED_INNER;
-    return patch_is_wall(&g->rules[f->patch[face - f->ninternal]]) ? BED_WALL : BED_HELD;
+    return patch_is_wall(&g->patches.rules[f->patch[face - f->ninternal]]) ? BED_WALL : BED_HELD;
 }
 
 /* Returns the bed's face for a face of the mesh, which is made. */

@@ -80,7 +80,7 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(&d->wall.lift, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.stays, 1, m->mirror.n));
     for (int i = 0; i < m->mirror.n; i++) {
-        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        const struct patch_rules *r = &g->patches.rules[m->mirror.patch[i]];
         d->slides |= wall_slides(r);
         d->lifts |= wall_slides(r) || (g->terms.cross && wall_conducts(r));
     }

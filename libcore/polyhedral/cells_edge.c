@@ -41,7 +41,7 @@ static void out_of_frame(int dim, const struct frame *f, double (*q)[BATCH], int
 
 static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX_VAR]) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH];
     struct patch_line line = {.n = n, .face = m->mirror.place + from, .outflow = outflow, .layer = 1};
     const bool reflects = patch_is_wall(r);
@@ -68,7 +68,7 @@ static void held_run(const struct gas *g, int from, int n, double *const U[MAX_V
         const int cell = m->mirror.cell[i], mirror = m->ncells + i;
         const double rho = U[0][cell];
         double work = 0, w[MAX_DIM];
-        wall_velocity(&g->rules[m->mirror.patch[from]], g->components, m->mirror.place[i], w);
+        wall_velocity(&g->patches.rules[m->mirror.patch[from]], g->components, m->mirror.place[i], w);
         for (int k = 0; k < g->components; k++) {
             work += w[k] * (rho * w[k] - U[k + 1][cell]);
             U[k + 1][mirror] = 2 * rho * w[k] - U[k + 1][cell];
@@ -89,7 +89,7 @@ static int patch_run(const struct gas *g, int from, int to) {
 void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]) {
     for (int n; from < to; from += n) {
         n = patch_run(g, from, to);
-        if (g->models.transport && wall_holds(&g->rules[g->cells->polyhedra->mirror.patch[from]]))
+        if (g->models.transport && wall_holds(&g->patches.rules[g->cells->polyhedra->mirror.patch[from]]))
             held_run(g, from, n, U);
         else
             mirror_run(g, from, n, U);
@@ -99,7 +99,7 @@ void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VA
 void cells_beyond(const struct gas *g, int patch, int n, const int *face, const int *place, double (*q)[BATCH],
                   double (*ghost)[BATCH]) {
     const struct polyhedra_faces *faces = &g->cells->polyhedra->face;
-    const struct patch_rules *r = &g->rules[patch];
+    const struct patch_rules *r = &g->patches.rules[patch];
     double inner[MAX_VAR][BATCH], outflow[BATCH];
     struct patch_line line = {.n = n, .face = place, .outflow = outflow};
     const bool reflects = patch_is_wall(r);
@@ -145,7 +145,7 @@ static void note_inflow(const struct gas *g, int from, int n, double *const U[MA
 static void wall_shares_run(const struct gas *g, int from, int n, double *const U[MAX_VAR], const double *T,
                             double *const cell[3], const double *cross, const struct cells_walls *out) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
     double inner[5][BATCH], push[BATCH], d[BATCH], slip[BATCH];
     struct wall_line line = {.n = n,
                              .face = m->mirror.place + from,
@@ -199,7 +199,7 @@ void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const doub
 static void mirror_sums_run(const struct gas *g, enum diffusing what, double weight, int from, int n,
                             const double *share, const double *lift, const double *const *start, double *const *S) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
     const int lines = what == VISCOUS ? g->components : 1;
     const bool turn = patch_is_wall(r) && what == VISCOUS;
     double inner[MAX_DIM][BATCH], beyond[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
@@ -244,7 +244,7 @@ void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, 
  * none: on the faces of patches r is 0 (libcore/polyhedral/cells_diffusion.c). */
 static void mirror_gradients_run(const struct gas *g, int from, int n, const double *share, double *const *gradient) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct patch_rules *r = &g->rules[m->mirror.patch[from]];
+    const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
     const int dim = g->dim, lines = g->components;
     double in[MAX_DIM][MAX_DIM][BATCH], along[MAX_DIM][MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
     for (int i = 0; i < n; i++) {
@@ -279,7 +279,7 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, const dou
 void cells_slide(const struct gas *g, double weight, const double *stays, double *const *S) {
     const struct polyhedra *m = g->cells->polyhedra;
     for (int i = 0; i < m->face.n - m->face.ninternal; i++) {
-        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        const struct patch_rules *r = &g->patches.rules[m->mirror.patch[i]];
         const int face = m->face.ninternal + i;
         double w[MAX_DIM], rest = 0;
         if (!wall_slides(r)) continue;

@@ -180,7 +180,7 @@ static void note_walls(const struct gas *g) {
     for (int i = m->face.ninternal; i < m->face.n; i++) {
         const int cell = m->face.left[i], at = i - m->face.ninternal;
         double fall = 0;
-        if (!patch_is_wall(&g->rules[m->face.patch[at]])) continue;
+        if (!patch_is_wall(&g->patches.rules[m->face.patch[at]])) continue;
         for (int k = 0; k < g->dim; k++) fall += g->models.source.gravity[k] * cells_arm(m, i, 0, k);
         r->missed[at] = r->rests[cell] ? r->on_face[i] - (r->p[cell] + r->U[0][cell] * fall) : 0;
         for (int k = 0; k < g->dim; k++)
@@ -193,7 +193,7 @@ static void note_walls(const struct gas *g) {
 static void leave_open(const struct gas *g) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     for (int i = f->ninternal; i < f->n; i++)
-        for (int k = 0; k < g->dim && !patch_is_wall(&g->rules[f->patch[i - f->ninternal]]); k++)
+        for (int k = 0; k < g->dim && !patch_is_wall(&g->patches.rules[f->patch[i - f->ninternal]]); k++)
             g->cells->rest->force[k][f->left[i]] = 0;
 }
 

@@ -145,7 +145,7 @@ static void states_beyond(const struct gas *g, const double *const *U, struct po
         place[i] = f->place[p->face[i] - f->ninternal];
         cell[i] = f->left[p->face[i]];
     }
-    const bool wall = patch_is_wall(&g->rules[patch]);
+    const bool wall = patch_is_wall(&g->patches.rules[patch]);
     for (int v = 0; v < g->nvar; v++)
         if (wall)
             memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
@@ -288,7 +288,7 @@ static void feed(struct gas *g, int first, int last, const double *const *U) {
     const struct cells *c = g->cells;
     const struct polyhedra *m = c->polyhedra;
     const struct polyhedra_faces *f = &m->face;
-    const struct patch_rules *r = &g->rules[f->patch[first - f->ninternal]];
+    const struct patch_rules *r = &g->patches.rules[f->patch[first - f->ninternal]];
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], into[BATCH];
     for (int i = 0; i < last - first; i++) {
         const int face = first + i, at = face - f->ninternal;
@@ -329,7 +329,7 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
                 if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
         batch_fluxes(g, first, end, U, &p);
         if (c->flagged) limit_run(g, first, end, U, &p);
-        if (g->fed && patch >= 0 && patch_feeds(&g->rules[patch])) feed(g, first, end, U);
+        if (g->patches.fed && patch >= 0 && patch_feeds(&g->patches.rules[patch])) feed(g, first, end, U);
     }
 }
 

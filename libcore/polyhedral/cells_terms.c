@@ -56,7 +56,7 @@ void cells_cross_faces(struct gas *g, const double *rho) {
     open_faces(g, rho, skewed);
     for (int face = m->face.ninternal; face < m->face.n; face++) {
         const int i = face - m->face.ninternal;
-        const struct patch_rules *r = &g->rules[m->mirror.patch[i]];
+        const struct patch_rules *r = &g->patches.rules[m->mirror.patch[i]];
         if (!patch_is_wall(r)) continue;
         d->cross[face] = -m->face.area[face] * d->wall.fed[i];
         if (wall_conducts(r)) d->face[2][face] *= d->wall.through[i];
@@ -90,7 +90,7 @@ static double swept_beyond(const struct gas *g, double *const U[MAX_VAR], int ce
     const struct polyhedra_faces *f = &m->face;
     const bool left = f->left[face] == cell;
     const int other = left ? f->right[face] : f->left[face];
-    const bool wall = face >= f->ninternal && patch_is_wall(&g->rules[m->mirror.patch[face - f->ninternal]]);
+    const bool wall = face >= f->ninternal && patch_is_wall(&g->patches.rules[m->mirror.patch[face - f->ninternal]]);
     const double share = g->cells->diffuser->share[face], part = left ? share : 1 - share;
     double sum = 0;
     for (int k = 0; k < g->dim; k++) {

@@ -47,7 +47,8 @@ static bool carries(const struct gas *g, int mirror) {
         squares[0] += gravity[k] * gravity[k];
         squares[1] += d[k] * d[k];
     }
-    return patch_is_wall(&g->rules[m->mirror.patch[mirror]]) && fabs(fall) > ALONG * sqrt(squares[0] * squares[1]);
+    return patch_is_wall(&g->patches.rules[m->mirror.patch[mirror]]) &&
+           fabs(fall) > ALONG * sqrt(squares[0] * squares[1]);
 }
 
 /* Lists the cells beside a mirror's cell with their shares. The gradient of the cell is that without the mirror if the
