@@ -33,8 +33,8 @@ struct audit {
 };
 
 static void floors_of(const struct gas *g, double floors[2]) {
-    floors[0] = g->counts.fill[0];
-    floors[1] = g->counts.fill[1] + g->counts.energy + g->counts.lift;
+    floors[0] = g->counts.now.fill[0];
+    floors[1] = g->counts.now.fill[1] + g->counts.now.energy + g->counts.now.lift;
 }
 
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {

@@ -282,10 +282,10 @@ static bool damps(struct gas *g, double dt) {
     const struct bed_blur *part = &d->bed.blur;
     const double saved = dt / (d->bed.params.gain * d->usual), worth = larger(smaller(saved * saved, 1), 0.5 * saved);
     if (!(part->whole > BLUR * worth || part->local > LOCAL * worth)) return false;
-    g->counts.damped++;
-    if (part->local > g->counts.damping) {
-        g->counts.damping = part->local;
-        find_peak(g, g->counts.damped_at);
+    g->counts.now.damped++;
+    if (part->local > g->counts.now.damping) {
+        g->counts.now.damping = part->local;
+        find_peak(g, g->counts.now.damped_at);
     }
     return true;
 }
@@ -358,14 +358,14 @@ status dense_count(struct gas *g) {
     double sum;
     comm_sum_long(g->comm, count, 2);
     d->paused = 0;
-    g->counts.beds++;
-    g->counts.newton += d->bed.newton;
-    g->counts.linear += d->bed.linear;
-    g->counts.lifted += count[0];
-    g->counts.bed_cells = count[1];
+    g->counts.now.beds++;
+    g->counts.now.newton += d->bed.newton;
+    g->counts.now.linear += d->bed.linear;
+    g->counts.now.lifted += count[0];
+    g->counts.now.bed_cells = count[1];
     if (count[0] == 0) return OK;
     g->engine->bed.spread(g, d->bed.lift, g->floors.raised);
     TRY(g->engine->stage.sum_raised(g, g->floors.raised, &sum));
-    g->counts.lift += sum;
+    g->counts.now.lift += sum;
     return OK;
 }

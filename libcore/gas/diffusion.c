@@ -205,7 +205,7 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
         moment[0] = later;
         if (leaves(g)) return 1;
     }
-    g->counts.stages[what] += stages;
+    g->counts.now.stages[what] += stages;
     renew_patches(g, l->t + moment[0] / weight[0]);
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, weight[0]);
 }
@@ -271,7 +271,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
             audit_part(g, GAS_HEAT, to);
             return bad;
         }
-        g->counts.repeated++;
+        g->counts.now.repeated++;
         tally_mark_heat(g, true);
         (void)g->engine->diffusion.flags(g, false);
     }
@@ -329,9 +329,9 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     }
     (void)g->engine->diffusion.flags(g, false);
     if (repeats) g->engine->stage.clear_flags(g);
-    g->counts.halves += most[0] == 0;
-    g->counts.repeated += repeats;
-    g->counts.plain += plain;
+    g->counts.now.halves += most[0] == 0;
+    g->counts.now.repeated += repeats;
+    g->counts.now.plain += plain;
     if (first && most[0] == 0) {
         renew_patches(g, t + dt);
         g->engine->diffusion.ahead(g, to);

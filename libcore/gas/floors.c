@@ -92,9 +92,9 @@ static status count_fill(struct gas *g) {
     if (!g->floors.filled) return OK;
     for (int v = 0; v < 2; v++) {
         TRY(g->engine->stage.sum_raised(g, g->floors.fill[v], &sum));
-        g->counts.fill[v] += sum;
+        g->counts.now.fill[v] += sum;
     }
-    g->counts.filled += g->floors.filled;
+    g->counts.now.filled += g->floors.filled;
     return audit_filled(g);
 }
 
@@ -104,7 +104,7 @@ status floors_count(struct gas *g) {
     comm_sum_long(g->comm, &g->floors.floored, 1);
     if (!g->floors.floored) return OK;
     TRY(g->engine->stage.sum_raised(g, g->floors.raised, &energy));
-    g->counts.floored += g->floors.floored;
-    g->counts.energy += energy;
+    g->counts.now.floored += g->floors.floored;
+    g->counts.now.energy += energy;
     return OK;
 }

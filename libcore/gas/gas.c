@@ -36,7 +36,7 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .dim = f->dim,
                           .components = models->components,
                           .ncells_all = f->ncells_all,
-                          .images = f->images,
+                          .counts = {.images = f->images},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -50,7 +50,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .dim = grid->dim,
                           .components = models->components,
                           .ncells_all = grid->ncells_all,
-                          .images = 1,
+                          .counts = {.images = 1},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -89,10 +89,10 @@ void gas_set_own_conserved(struct gas *g, const double *const U[MAX_VAR]) {
 }
 
 void gas_resume(struct gas *g, const struct gas_counts *counts, const double *limited) {
-    g->before = *counts;
-    g->counts.energy = counts->energy;
-    memcpy(g->counts.fill, counts->fill, sizeof counts->fill);
-    memcpy(g->counts.place, counts->place, sizeof counts->place);
+    g->counts.before = *counts;
+    g->counts.now.energy = counts->energy;
+    memcpy(g->counts.now.fill, counts->fill, sizeof counts->fill);
+    memcpy(g->counts.now.place, counts->place, sizeof counts->place);
     if (g->dense && g->models.acoustics->automatic) {
         g->dense->pause = counts->pause[0];
         g->dense->paused = counts->pause[1];

@@ -80,6 +80,13 @@ struct patches {
     status failed; /* why they could not be renewed in this step */
 };
 
+struct counting {
+    struct gas_counts now;    /* of this run; sums of amounts and `place` go on from an earlier one */
+    struct gas_counts before; /* numbers of an earlier run */
+    long computed, all;       /* cell updates on this rank: computed ones, and with those that were left out */
+    long images;              /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
+};
+
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
@@ -92,8 +99,8 @@ struct gas {
     int dim, ncells_all;
     int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
     int nvar;       /* components + 2: rho, rho u, E */
-    long images;    /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
-    long size;      /* numbers in a line of a block: the distance from one variable to the next */
+    struct counting counts;
+    long size; /* numbers in a line of a block: the distance from one variable to the next */
     struct patches patches;
     struct limits limits;
 
@@ -105,14 +112,11 @@ struct gas {
     struct gas_speed speed;  /* wave speeds of U, if speed_known */
     bool speed_known;
 
-    int guarded;              /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
-    int slow;                 /* number of consecutive tiny steps; -1 in a state that was set: unknown */
-    double slow_dt[2];        /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
-    struct gas_counts counts; /* of this run; sums of amounts and `place` go on from an earlier one */
-    struct gas_counts before; /* numbers of an earlier run */
-    long computed, all;       /* cell updates on this rank: computed ones, and with those that were left out */
-    struct audit *audit;      /* the budget; NULL: none is kept */
-    struct tally *tally;      /* fluxes through patches; NULL: they are not kept */
+    int guarded;         /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
+    int slow;            /* number of consecutive tiny steps; -1 in a state that was set: unknown */
+    double slow_dt[2];   /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
+    struct audit *audit; /* the budget; NULL: none is kept */
+    struct tally *tally; /* fluxes through patches; NULL: they are not kept */
 
     struct floors floors;
 
@@ -307,7 +311,7 @@ void floors_begin(struct gas *g);
  * g->floors.share; and their energy to the round-off floor, which g->floors.floored counts and g->floors.raised sums.
  * Returns the number of cells of this rank that are not admissible all the same. */
 long floors_apply(struct gas *g, const struct state *s);
-/* Adds to g->counts what the floors did in a step that stands. Collective. */
+/* Adds to g->counts.now what the floors did in a step that stands. Collective. */
 status floors_count(struct gas *g);
 
 /* ---- places ---- */

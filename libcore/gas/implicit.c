@@ -196,7 +196,7 @@ static int solve(struct implicit *m, struct problem *p) {
     int iterations;
     memset(m->d, 0, (size_t)p->system.rows * sizeof *m->d);
     if (m->module->solve(p->solver, m->b, m->d, &iterations)) return -1;
-    if (iterations > 0) p->gas->counts.stages[p->what] += iterations;
+    if (iterations > 0) p->gas->counts.now.stages[p->what] += iterations;
     return iterations;
 }
 

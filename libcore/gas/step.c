@@ -124,11 +124,11 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     audit_dropped(g, (1 - a) * g->floors.share);
     long count[2] = {g->limits.faces, floors_apply(g, to)};
     comm_sum_long(g->comm, count, 2);
-    g->counts.cells += cells;
-    g->counts.faces += count[0];
+    g->counts.now.cells += cells;
+    g->counts.now.faces += count[0];
     if (g->asked && !g->held) g->engine->stage.hold_limited(g, false);
     g->held = g->asked;
-    g->engine->stage.note_limited(g, g->counts.place);
+    g->engine->stage.note_limited(g, g->counts.now.place);
     g->engine->stage.clear_flags(g);
     return count[1] == 0 && !g->left;
 }
@@ -373,7 +373,7 @@ static void attempt_begin(struct gas *g) {
 /* Ends a step that is left: the state is still that at its start, and so become the counts. */
 static status leave(struct gas *g, const struct gas_counts *start, double *dt) {
     if (g->held) g->engine->stage.hold_limited(g, true);
-    g->counts = *start;
+    g->counts.now = *start;
     g->engine->stage.clear_flags(g);
     *dt = 0;
     return OK;
@@ -442,7 +442,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     struct attempt tried;
     if (!isfinite(speed->rate)) return stop_of_speed(g, t, speed);
     const double allowed = maxCo / speed->rate, asked = *dt;
-    const struct gas_counts start = g->counts;
+    const struct gas_counts start = g->counts.now;
     const bool creeps = !g->dense || g->dense->longest == 0;
     const double calm = creeps && gas_can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
     if ((creeps && allowed < least) || (allowed < calm && g->slow < 0)) return stop_of_collapse(g, t, allowed, speed);
@@ -465,7 +465,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
             g->guarded = GUARDED;
             continue;
         }
-        g->counts.rejected++;
+        g->counts.now.rejected++;
         *dt = g->hybrid ? 0.5 * *dt : shorter(g, tried.U0, *dt, maxCo);
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
             return g->stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
@@ -482,10 +482,10 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
 }
 
 struct gas_counts gas_counts(const struct gas *g) {
-    struct gas_counts c = g->counts;
+    struct gas_counts c = g->counts.now;
     long *const cells[] = {&c.cells, &c.faces, &c.floored, &c.filled, &c.plain};
-    for (int i = 0; i < 5; i++) *cells[i] *= g->images;
-    const struct gas_counts *b = &g->before;
+    for (int i = 0; i < 5; i++) *cells[i] *= g->counts.images;
+    const struct gas_counts *b = &g->counts.before;
     const long before[] = {b->cells, b->faces, b->floored, b->filled, b->plain};
     for (int i = 0; i < 5; i++) *cells[i] += before[i];
     c.rejected += b->rejected;
@@ -496,7 +496,7 @@ struct gas_counts gas_counts(const struct gas *g) {
 }
 
 double gas_computed_share(const struct gas *g) {
-    long count[2] = {g->computed, g->all};
+    long count[2] = {g->counts.computed, g->counts.all};
     comm_sum_long(g->comm, count, 2);
-    return count[1] ? (double)count[0] / (double)(count[1] * g->images) : 1;
+    return count[1] ? (double)count[0] / (double)(count[1] * g->counts.images) : 1;
 }

@@ -278,7 +278,7 @@ static void update_row(struct update *u, long offset, int n, double (*residual)[
     if (g->falling.cells && u->dropped) drop_row(g, n, &s, falls, flag, part, u->dropped);
     if (part) freeze_row(g, n, &s, part);
     u->bad += row_limited(g, n, u->from + offset, u->to + offset, u->flag + offset);
-    u->g->computed += n;
+    u->g->counts.computed += n;
 }
 
 /* Advances the background, a cell whose residual is that of gravity alone, with the bits of update_row. */
@@ -499,6 +499,6 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
     for (int i = 0; i < active->nspans && tiles_hold_bed(g, tile); i++)
         to->varied[tile][i] = (struct span){0, g->forest->tile[tile].n[0]};
     const int *n = g->forest->tile[tile].n;
-    g->all += (long)n[0] * n[1] * n[2];
+    g->counts.all += (long)n[0] * n[1] * n[2];
     return update.bad;
 }

@@ -142,7 +142,7 @@ static void settle_tile(struct gas *g, int tile, const struct state *U0, const s
     for (int v = 0; v < g->nvar; v++) s.to[v * g->size] = last->to[v];
     if (g->tally) tiles_tally_begin(g, tile, s.from);
     activity_empty(g, tile, to);
-    g->all += (long)n[0] * n[1] * n[2];
+    g->counts.all += (long)n[0] * n[1] * n[2];
 }
 
 /* One stage of all tiles: ghosts travel while the tiles that need none from other ranks are computed. */

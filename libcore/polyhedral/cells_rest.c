@@ -218,7 +218,7 @@ static void take_state(struct gas *g) {
 status cells_rest(struct gas *g, const bool *rests) {
     struct cells *c = g->cells;
     struct cells_rest *r = NULL;
-    const long computed = g->computed, all = g->all;
+    const long computed = g->counts.computed, all = g->counts.all;
     const status s = comm_agree(g->comm, make(g, &r));
     cells_rest_free(c->rest);
     c->rest = r;
@@ -234,8 +234,8 @@ status cells_rest(struct gas *g, const bool *rests) {
     note_walls(g);
     cells_clear_flags(g);
     leave_open(g);
-    g->computed = computed;
-    g->all = all;
+    g->counts.computed = computed;
+    g->counts.all = all;
     g->speed_known = false;
     return OK;
 }

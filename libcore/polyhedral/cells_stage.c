@@ -417,8 +417,8 @@ static long finish_sweep(struct stage *t) {
     face_fluxes(g, m->face.nlocal, m->face.ninternal, t->U);
     face_fluxes(g, m->face.ninternal, m->face.n, t->U);
     update_chunks(t, c->flagged ? 0 : c->sweep.n, c->sweep.n + 1);
-    g->computed += m->nown;
-    g->all += m->nown;
+    g->counts.computed += m->nown;
+    g->counts.all += m->nown;
     return t->count;
 }
 

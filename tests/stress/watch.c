@@ -466,9 +466,9 @@ bool watch_step_finish(struct watch *w, struct gas *g) {
         for (int i = 0; i < g->models.stepper->stages; i++) w->budget.gain[v] += w->budget.weighed[i][v];
         w->budget.gained[0][v] = w->budget.gained[1][v] = 0;
     }
-    const double lift = g->counts.lift - w->lift, before = (double)w->budget.magnitude[2];
+    const double lift = g->counts.now.lift - w->lift, before = (double)w->budget.magnitude[2];
     tally(w, g);
-    w->lift = g->counts.lift;
+    w->lift = g->counts.now.lift;
     w->ends = 0;
     return !lifts_much(w, g, lift, before);
 }
