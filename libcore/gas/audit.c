@@ -39,7 +39,7 @@ static void floors_of(const struct gas *g, double floors[2]) {
 
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
     known[GAS_FLOORS] = true;
-    known[GAS_DILATION] = g->terms.dilation;
+    known[GAS_DILATION] = g->diffusion.terms.dilation;
     for (int p = 0; p < g->patches.n; p++) {
         const struct patch_rules *r = &g->patches.rules[p];
         if (!r->velocity.type) continue;

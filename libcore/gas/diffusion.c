@@ -128,21 +128,22 @@ const struct diffusion *diffusion_find(const char *name) {
 struct rise { /* context of rise_row, which compares T in two states */
     struct gas *g;
     const struct state *from, *to;
-    bool friction; /* true: g->friction is set; false: g->cooled */
-    double least;  /* lower bound of g->cooled */
+    bool friction; /* true: g->diffusion.friction is set; false: g->diffusion.cooled */
+    double least;  /* lower bound of g->diffusion.cooled */
 };
 
 static void rise_row(void *rise, const struct row *row) {
     const struct rise *r = rise;
     double before[BATCH], after[BATCH];
-    double *friction = r->g->friction[row->block] + row->at, *cooled = r->g->cooled[row->block] + row->at;
+    double *friction = r->g->diffusion.friction[row->block] + row->at,
+           *cooled = r->g->diffusion.cooled[row->block] + row->at;
     temperature_row(r->g, row->n, r->from->block[row->block] + row->at, before);
     temperature_row(r->g, row->n, r->to->block[row->block] + row->at, after);
     if (!r->friction) {
         for (int i = 0; i < row->n; i++) cooled[i] = larger(before[i] - after[i], r->least);
         return;
     }
-    for (int i = 0; i < row->n && r->g->late; i++) cooled[i] = smaller(cooled[i], before[i]);
+    for (int i = 0; i < row->n && r->g->diffusion.late; i++) cooled[i] = smaller(cooled[i], before[i]);
     if (r->g->engine->diffusion.cooled_first)
         for (int i = 0; i < row->n; i++) friction[i] = after[i] - (before[i] + cooled[i]);
     else
@@ -161,18 +162,18 @@ static void note_friction(struct gas *g, const struct state *from, const struct 
 
 static void forget_row(void *gas, const struct row *row) {
     const struct gas *g = gas;
-    memset(g->cooled[row->block] + row->at, 0, (size_t)row->n * sizeof(double));
+    memset(g->diffusion.cooled[row->block] + row->at, 0, (size_t)row->n * sizeof(double));
 }
 
-/* Sets g->cooled to 0, so that conduction has no sink from here on. */
+/* Sets g->diffusion.cooled to 0, so that conduction has no sink from here on. */
 static void forget_cooled(struct gas *g) {
     g->engine->state.rows(g, EVERY_CELL, &g->U, forget_row, g);
 }
 
 /* Is the step to be left? The ranks ask each other only now and then, in steps that are long. */
 static bool leaves(struct gas *g) {
-    if (++g->unasked < ASK_EVERY) return g->left;
-    g->unasked = 0;
+    if (++g->diffusion.unasked < ASK_EVERY) return g->left;
+    g->diffusion.unasked = 0;
     return asked_to_leave(g);
 }
 
@@ -219,15 +220,16 @@ static long plan_steps(const struct gas *g, double ratio, int *stages) {
     }
 }
 
-/* Would a half step over dt from a state never get through? Notes that in g->stiff. */
+/* Would a half step over dt from a state never get through? Notes that in g->diffusion.stiff. */
 static bool too_stiff(struct gas *g, const struct state *from, double dt, const double rate[2]) {
     for (int what = 0; what < 2; what++) {
         const double ratio = smaller(dt * rate[what], MOST_RATIO);
         int each = 0;
         const long stages = g->models.diffusion->plan ? plan_steps(g, ratio, &each) * each : 0;
         if (ratio < MOST_RATIO && stages <= MOST_STAGES) continue;
-        g->stiff = (struct stiff){true, g->late, (enum diffusing)what, rate[what], dt, (double)stages, {0}};
-        g->engine->diffusion.stiffest_place(g, (enum diffusing)what, from, rate[what], g->stiff.place);
+        g->diffusion.stiff =
+            (struct stiff){true, g->diffusion.late, (enum diffusing)what, rate[what], dt, (double)stages, {0}};
+        g->engine->diffusion.stiffest_place(g, (enum diffusing)what, from, rate[what], g->diffusion.stiff.place);
         return true;
     }
     return false;
@@ -279,7 +281,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
 
 /* Takes the heat dilation div u over dt from `mid`, the result of the stress on `from`, if the law has that term. */
 static void dilate(struct gas *g, const struct state *from, const struct state *mid, double dt) {
-    if (!g->terms.dilation) return;
+    if (!g->diffusion.terms.dilation) return;
     audit_part(g, GAS_HEAT, mid); /* the heat that cross grad rho has moved */
     g->engine->diffusion.dilate(g, from, mid, dt);
     audit_part(g, GAS_DILATION, mid);
@@ -294,7 +296,7 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
     (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
     audit_part(g, GAS_FRICTION, mid);
     if (!again) dilate(g, from, mid, dt);
-    if (g->terms.cross) g->engine->diffusion.cross(g, mid, dt);
+    if (g->diffusion.terms.cross) g->engine->diffusion.cross(g, mid, dt);
     note_friction(g, from, mid);
     if (again) dilate(g, from, mid, dt);
     return conduct(g, mid, to, t, dt, rate[HEAT]);
@@ -303,15 +305,15 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double t, double dt, bool second,
              long bad) {
     double rate[2], most[3] = {bad > 0, 0, 0};
-    g->ahead = g->ahead && second;
-    g->late = second;
+    g->diffusion.ahead = g->diffusion.ahead && second;
+    g->diffusion.late = second;
     renew_patches(g, second ? t + dt : t);
     g->engine->diffusion.rates(g, from, rate);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
     if (most[0] > 0 || !isfinite(most[1] + most[2]) || too_stiff(g, from, dt, most + 1)) return false;
     const bool first = !second && g->engine->diffusion.ahead;
-    g->ahead = false;
+    g->diffusion.ahead = false;
     long repeats = 0, plain = 0;
     audit_mark(g, false);
     tally_mark(g, false);
@@ -335,7 +337,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     if (first && most[0] == 0) {
         renew_patches(g, t + dt);
         g->engine->diffusion.ahead(g, to);
-        g->ahead = true;
+        g->diffusion.ahead = true;
     }
     return most[0] == 0;
 }

@@ -122,15 +122,16 @@ struct diffusion_hooks {
     void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
     /* Finds the centre of a cell that reached `rate` in the last rates, of Y0, as gas_fastest_place. */
     void (*stiffest_place)(struct gas *g, enum diffusing what, const struct state *Y0, double rate, double place[3]);
-    /* Keeps warm = T(to)/T(Y0 of the last rates), bounded; while g->ahead is set, rates takes the coefficients at T
-     * warm. NULL: g->ahead is never set. */
+    /* Keeps warm = T(to)/T(Y0 of the last rates), bounded; while g->diffusion.ahead is set, rates takes the
+     * coefficients at T warm. NULL: g->diffusion.ahead is never set. */
     void (*ahead)(struct gas *g, const struct state *to);
     /* Adds to the energy of `to` dt div (cross grad rho), with rho and the coefficients of the last rates. */
     void (*cross)(struct gas *g, const struct state *to, double dt);
     /* Takes dt dilation div u from the energy of `to`, with the mean u of both states and the coefficients of the last
      * rates, but less than the internal energy of `from` (dilate_row). */
     void (*dilate)(struct gas *g, const struct state *from, const struct state *to, double dt);
-    /* Sets q_0 = u (VISCOUS), or T - rest friction - (g->late ? cooled : 0) (HEAT), of Y0, and S_1 = factor q_0. */
+    /* Sets q_0 = u (VISCOUS), or T - rest friction - (g->diffusion.late ? cooled : 0) (HEAT), of Y0, and S_1 = factor
+     * q_0. */
     void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
     /* Computes S_j = c[0] S_(j-1) + c[1] S_(j-2) + c[2] q_(j-1) + c[3] q_0 + c[4] friction; c[2], c[3] and c[4] hold
      * dt. weight: the value of S_(j-1) if q were 1 throughout, for S beyond patches that hold a value. */

@@ -12,14 +12,14 @@ static status make(const struct gas *like, struct gas **out) {
     g->nvar = g->components + 2;
     g->limits.first_order = reconstruct_find("firstOrder");
     if (g->models.transport) g->models.skip_uniform = false;
-    g->terms = transport_terms(g->models.transport, &g->models.transport_params);
+    g->diffusion.terms = transport_terms(g->models.transport, &g->models.transport_params);
     g->limits.most = density_limit(g->models.eos, &g->models.material);
     g->limits.crowds = !gas_can_collapse(g);
     for (int p = 0; p < g->patches.n; p++) g->patches.fed |= patch_feeds(&g->patches.rules[p]);
     if (g->models.alpha_floor > 0)
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->state.make(g);
-    if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->implicit);
+    if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
     if (!s) s = dense_make(g);
     if (s)
         gas_free(g);
@@ -58,7 +58,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
 
 void gas_free(struct gas *g) {
     if (!g) return;
-    implicit_free(g->implicit);
+    implicit_free(g->diffusion.implicit);
     dense_free(g);
     g->engine->state.free(g);
     audit_free(g->audit);

@@ -87,6 +87,25 @@ struct counting {
     long images;              /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
 };
 
+struct stiff { /* the diffusion that an attempt at a step refused; the same on all ranks */
+    bool found, second;
+    enum diffusing what;
+    double rate, dt; /* 1/s: the largest rate of its cells; s: the half step */
+    double stages;   /* that it would take, at least; 0 if diffusion is implicit */
+    double place[3]; /* m: of a cell that has that rate */
+};
+struct half_diffusion {           /* the half step of diffusion in hand; with transport */
+    struct transport_terms terms; /* what the transport law asks for */
+    double pull[MAX_DIM];         /* m/s^2: mean acceleration by the sources */
+    bool late;                    /* is it in the second half of the step, before cooling? */
+    bool ahead;                   /* are the coefficients those at the end of the half step (diffusion.c)? */
+    double **friction;            /* [blocks][size] rise of T by the stress, less cooled; 0 in ghosts */
+    double **cooled;              /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
+    struct implicit *implicit;    /* NULL: diffusion is explicit */
+    int unasked;                  /* stages since the ranks last asked each other whether to leave the step */
+    struct stiff stiff;
+};
+
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
@@ -95,7 +114,7 @@ struct gas {
     struct tiles *tiles;     /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
     struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
-    struct transport_terms terms; /* what the transport law asks for */
+    struct half_diffusion diffusion;
     int dim, ncells_all;
     int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
     int nvar;       /* components + 2: rho, rho u, E */
@@ -122,27 +141,12 @@ struct gas {
 
     struct falling falling;
 
-    double pull[MAX_DIM];      /* m/s^2, with transport: mean acceleration by the sources in this half step */
-    bool late;                 /* is diffusion in the second half of the step, before cooling? */
-    bool ahead;                /* are the coefficients of diffusion those at the end of the half step (diffusion.c)? */
-    double **friction;         /* [blocks][size] rise of T by the stress of this half step, less cooled; 0 in ghosts */
-    double **cooled;           /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
-    struct implicit *implicit; /* NULL: diffusion is explicit */
-
     struct dense *dense; /* implicit acoustics; NULL: there are none */
     bool hybrid;         /* has the step in hand a bed? */
 
     bool (*asked)(void); /* of gas_heed; NULL: nobody asks */
     bool left;           /* is this step left as asked? The same on all ranks */
     bool held;           /* is a copy of the field `limited` kept, from before this step? */
-    int unasked;         /* stages of diffusion since the ranks last asked each other */
-    struct stiff {       /* the diffusion that this attempt at a step refused; the same on all ranks */
-        bool found, second;
-        enum diffusing what;
-        double rate, dt; /* 1/s: the largest rate of its cells; s: the half step */
-        double stages;   /* that it would take, at least; 0 if diffusion is implicit */
-        double place[3]; /* m: of a cell that has that rate */
-    } stiff;
 };
 
 /* Sets g->speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
@@ -158,8 +162,8 @@ void renew_patches(struct gas *g, double t);
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double t, double dt, bool second,
              long bad);
 
-/* Sets g->cooled to the fall of T from one state to the other by sources. It is negative where T rose, if a source
- * heats. */
+/* Sets g->diffusion.cooled to the fall of T from one state to the other by sources. It is negative where T rose, if a
+ * source heats. */
 void note_cooled(struct gas *g, const struct state *from, const struct state *to);
 
 struct lapse {    /* one step of stress or conduction */
@@ -216,7 +220,7 @@ void look_at(struct gas *g, struct gas_cell *cell);
 status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_speed *speed);
 /* Returns the error of a rate of wave speeds that is infinite or no number. */
 status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed);
-/* Returns the error of diffusion that is too stiff; g->stiff says where and by how much. */
+/* Returns the error of diffusion that is too stiff; g->diffusion.stiff says where and by how much. */
 status stop_of_diffusion(struct gas *g, double t);
 /* Have the ranks been asked to leave the step? Sets g->left. */
 bool asked_to_leave(struct gas *g);

@@ -49,7 +49,7 @@ static void operate(const struct problem *p, const double *x, bool edges, double
 /* Computes y = A x = mass (x - gamma dt L x/rho). */
 static void apply(const void *caller, const double *x, double *y) {
     const struct problem *p = caller;
-    const double *mass = p->gas->implicit->mass;
+    const double *mass = p->gas->diffusion.implicit->mass;
     operate(p, x, false, y);
     for (int i = 0, k = 0; k < p->system.rows; i++)
         for (int c = 0; c < p->system.unknowns; c++, k++) y[k] = mass[i] * (x[k] - y[k]);
@@ -59,7 +59,7 @@ static void apply(const void *caller, const double *x, double *y) {
  * most residual/mass in a stiff cell (implicit.h). If the step is left, any error is small enough. */
 static double error_of(const void *caller, const double *x, const double *residual) {
     const struct problem *p = caller;
-    const struct implicit *m = p->gas->implicit;
+    const struct implicit *m = p->gas->diffusion.implicit;
     struct gas *g = p->gas;
     double most = 0;
     for (int i = 0, k = 0; k < p->system.rows; i++)
@@ -318,7 +318,7 @@ static void take_start(struct implicit *m, struct problem *p, const struct lapse
 
 long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                    const struct lapse *l, bool monotone) {
-    struct implicit *m = g->implicit;
+    struct implicit *m = g->diffusion.implicit;
     struct problem *p = &m->problem[what];
     const enum implicit_scheme scheme = g->models.diffusion->implicit;
     const double gamma = monotone ? 1 : share_of(scheme);

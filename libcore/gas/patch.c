@@ -89,7 +89,7 @@ static void surface_temperature(const struct gas *g, const struct patch_rules *r
     const struct gas_models *m = &g->models;
     double bulk[BATCH], shear[BATCH], heat[BATCH], cross[BATCH], none[BATCH] = {0}, share[2][BATCH];
     m->transport->coefficients(&m->transport_params, m->eos, &m->material, n, rho, T, bulk, shear, heat);
-    if (g->terms.cross) m->transport->cross(&m->transport_params, m->eos, &m->material, n, rho, T, cross);
+    if (g->diffusion.terms.cross) m->transport->cross(&m->transport_params, m->eos, &m->material, n, rho, T, cross);
     struct wall_line line = {.n = n,
                              .face = face,
                              .eos = m->eos,
@@ -101,7 +101,7 @@ static void surface_temperature(const struct gas *g, const struct patch_rules *r
                              .shear = shear,
                              .heat = heat,
                              .slip = slip,
-                             .cross = g->terms.cross ? cross : NULL};
+                             .cross = g->diffusion.terms.cross ? cross : NULL};
     wall_shares(r, &line, share[0], share[1]);
     memcpy(T, line.surface, (size_t)n * sizeof *T);
 }

@@ -185,7 +185,7 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
 static bool diffuse_half(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          bool second, long bad) {
     const struct gas_models *m = &g->models;
-    source_pull(&m->source, m->eos, &m->material, g->components, t, 0.5 * dt, g->pull);
+    source_pull(&m->source, m->eos, &m->material, g->components, t, 0.5 * dt, g->diffusion.pull);
     return diffuse(g, from, to, t, 0.5 * dt, second, bad);
 }
 
@@ -364,8 +364,8 @@ static bool overheated(struct gas *g, double dt, double maxCo, const struct gas_
 }
 
 static void attempt_begin(struct gas *g) {
-    g->stiff.found = g->left = false;
-    g->unasked = 0;
+    g->diffusion.stiff.found = g->left = false;
+    g->diffusion.unasked = 0;
     audit_begin(g);
     tally_begin(g);
 }
@@ -382,7 +382,7 @@ static status leave(struct gas *g, const struct gas_counts *start, double *dt) {
 /* Is diffusion too stiff in the state that the step starts from? If a source has heated the gas a great deal in the
  * first half, or the stages have, a shorter step is not. */
 static bool hopeless(const struct gas *g) {
-    return g->stiff.found && !g->stiff.second && !source_heats(&g->models.source);
+    return g->diffusion.stiff.found && !g->diffusion.stiff.second && !source_heats(&g->models.source);
 }
 
 struct attempt {            /* at a step */
@@ -468,7 +468,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         g->counts.now.rejected++;
         *dt = g->hybrid ? 0.5 * *dt : shorter(g, tried.U0, *dt, maxCo);
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
-            return g->stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
+            return g->diffusion.stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
     }
     bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
     g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;

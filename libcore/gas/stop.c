@@ -117,7 +117,7 @@ status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed) {
 }
 
 status stop_of_diffusion(struct gas *g, double t) {
-    const struct stiff *s = &g->stiff;
+    const struct stiff *s = &g->diffusion.stiff;
     struct gas_cell q;
     memcpy(q.place, s->place, sizeof q.place);
     look_at(g, &q);

@@ -17,23 +17,35 @@ status tiles_diffuser_make(struct gas *g) {
     TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, g->dim, &d->keep));
-    for (int t = 0; t < g->forest->ntiles && g->terms.diagonal; t++)
+    for (int t = 0; t < g->forest->ntiles && g->diffusion.terms.diagonal; t++)
         memset(d->keep[t], 0, (size_t)(g->dim * g->forest->size) * sizeof(double));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
     TRY(blocks_make(g->forest, 1, &d->mark));
-    TRY(blocks_make(g->forest, 1, &g->friction));
-    TRY(blocks_make(g->forest, 1, &g->cooled));
-    if (g->terms.cross) TRY(blocks_make(g->forest, g->dim + 1, &d->cross));
-    if (g->terms.dilation) TRY(blocks_make(g->forest, 1, &d->dilation));
+    TRY(blocks_make(g->forest, 1, &g->diffusion.friction));
+    TRY(blocks_make(g->forest, 1, &g->diffusion.cooled));
+    if (g->diffusion.terms.cross) TRY(blocks_make(g->forest, g->dim + 1, &d->cross));
+    if (g->diffusion.terms.dilation) TRY(blocks_make(g->forest, 1, &d->dilation));
     return blocks_make(g->forest, 1, &d->warm);
 }
 
 void tiles_diffuser_free(struct gas *g) {
     struct diffuser *d = g->tiles->diffuser;
     if (!d) return;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,   d->light, d->wall,
-                         d->mark,   d->warm,   d->keep,  g->friction, g->cooled, d->cross, d->dilation};
+    double **blocks[] = {d->sum[0],
+                         d->sum[1],
+                         d->start,
+                         d->gradient,
+                         d->face,
+                         d->light,
+                         d->wall,
+                         d->mark,
+                         d->warm,
+                         d->keep,
+                         g->diffusion.friction,
+                         g->diffusion.cooled,
+                         d->cross,
+                         d->dilation};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) blocks_free(g->forest, blocks[i]);
     free(d);
 }
@@ -59,8 +71,8 @@ static void coefficient_visit(void *context, long offset, int n) {
     double T[BATCH], *warm = v->warm + offset;
     temperature_of_row(g, v->U, offset, n, T);
     for (int i = 0; i < n; i++) T[i] = larger(T[i], COLDEST);
-    for (int i = 0; i < n && g->ahead; i++) T[i] *= warm[i];
-    for (int i = 0; i < n && !g->ahead; i++) warm[i] = T[i];
+    for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= warm[i];
+    for (int i = 0; i < n && !g->diffusion.ahead; i++) warm[i] = T[i];
     const struct gas_models *m = &g->models;
     const double *rho = v->U + offset;
     m->transport->coefficients(&m->transport_params, m->eos, &m->material, n, rho, T, w->p + offset, w->c + offset,
@@ -108,10 +120,10 @@ static void tile_faces(struct gas *g, int tile, const double *rho) {
     const int *n = f->tile[tile].n;
     const struct work *w = &g->tiles->work;
     const double trace = trace_share(&g->models.material);
-    const double thin = g->terms.thin / packing_per_density(&g->models.material);
+    const double thin = g->diffusion.terms.thin / packing_per_density(&g->models.material);
     for (int axis = 0; axis < g->dim; axis++) {
         double *face = g->tiles->diffuser->face[tile] + FACE_LINES * axis * f->size;
-        double *cross = g->terms.cross ? g->tiles->diffuser->cross[tile] : NULL;
+        double *cross = g->diffusion.terms.cross ? g->tiles->diffuser->cross[tile] : NULL;
         for (int k = 0; k < n[2] + (axis == 2); k++)
             for (int j = 0; j < n[1] + (axis == 1); j++) {
                 long at = row_at(f, j, k);
@@ -220,8 +232,8 @@ static void take_wall(const struct gas *g, int tile, const struct edge *e, const
         const long at = e->from + i * e->step, over = face + i * e->step;
         b->rho[i] = rho[at];
         b->T[i] = larger(temperature_of(&g->models.material, g->tiles->work.eps[at]), COLDEST) *
-                  (g->ahead ? d->warm[tile][at] : 1);
-        b->push[i] = e->to > e->from ? g->pull[e->normal] : -g->pull[e->normal];
+                  (g->diffusion.ahead ? d->warm[tile][at] : 1);
+        b->push[i] = e->to > e->from ? g->diffusion.pull[e->normal] : -g->diffusion.pull[e->normal];
         b->d[i] = width;
         b->shear[i] = width * width * faces[SHEAR * size + over];
         b->heat[i] = width * width * faces[CONDUCTION * size + over];
@@ -280,7 +292,7 @@ static void wall_edge(struct gas *g, int tile, const struct edge *e, const void 
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
     const struct forest *f = g->forest;
     most[0] = most[1] = 0;
-    g->tiles->diffuser->plain = g->terms.diagonal;
+    g->tiles->diffuser->plain = g->diffusion.terms.diagonal;
     forest_fill_layers(g->forest, 1, g->nvar, Y0->block);
     for (int t = 0; t < f->ntiles; t++) {
         const struct diffuser *d = g->tiles->diffuser;

@@ -91,7 +91,7 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
             double M[1][BATCH];
             if (s->c) {
                 heat_next(vectors, dim, f->stride, f->size, s->c, face, d->light[s->tile] + at, d->start[s->tile] + at,
-                          s->g->friction[s->tile] + at, s->S + at, s->next + at);
+                          s->g->diffusion.friction[s->tile] + at, s->S + at, s->next + at);
             } else {
                 heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
                 end_row(s, at, n[0], M);
@@ -350,10 +350,10 @@ static void plain_faces(struct gas *g, int tile) {
     const double *flag = g->tiles->flag[tile];
     for (int axis = 0; axis < g->dim; axis++) {
         double *keep = g->tiles->diffuser->keep[tile] + axis * f->size;
-        double *cross = g->terms.cross ? g->tiles->diffuser->cross[tile] + axis * f->size : NULL;
+        double *cross = g->diffusion.terms.cross ? g->tiles->diffuser->cross[tile] + axis * f->size : NULL;
         for (long i = f->stride[axis]; i < f->size; i++) {
             const bool flagged = flag[i - f->stride[axis]] + flag[i] > 0;
-            keep[i] = flagged || g->terms.diagonal ? 0 : 1;
+            keep[i] = flagged || g->diffusion.terms.diagonal ? 0 : 1;
             if (cross && flagged) cross[i] = 0;
         }
     }

@@ -32,7 +32,7 @@ static void begin_visit(void *context, long offset, int n) {
         memcpy(b->start + v * size + offset, g->tiles->work.velocity[v] + offset, (size_t)n * sizeof(double));
     for (int i = 0; b->what == HEAT && i < n; i++)
         b->start[offset + i] = temperature_of(&g->models.material, g->tiles->work.eps[offset + i]) -
-                               b->rest * b->friction[offset + i] - (g->late ? b->cooled[offset + i] : 0);
+                               b->rest * b->friction[offset + i] - (g->diffusion.late ? b->cooled[offset + i] : 0);
 }
 
 KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
@@ -55,7 +55,8 @@ void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
     const struct forest *f = g->forest;
     struct diffuser *d = g->tiles->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
-        struct beginning b = {g, what, Y0->block[t], d->start[t], rest, g->friction[t], g->cooled[t]};
+        struct beginning b = {
+            g, what, Y0->block[t], d->start[t], rest, g->diffusion.friction[t], g->diffusion.cooled[t]};
         const bool beyond = beyond_counts(g, &f->tile[t]);
         if (beyond) ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], beyond, begin_visit, &b);

@@ -102,7 +102,7 @@ static void cells_free(struct gas *g) {
         free(states[i]->block);
     }
     floors_free(g);
-    double **lines[] = {g->friction, g->cooled, g->falling.cells};
+    double **lines[] = {g->diffusion.friction, g->diffusion.cooled, g->falling.cells};
     for (int i = 0; i < 3; i++) {
         if (lines[i]) free(lines[i][0]);
         free(lines[i]);

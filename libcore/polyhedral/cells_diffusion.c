@@ -71,10 +71,10 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(d->cell, 3, size));
     TRY(lines_allocate(&d->T, 1, size));
     TRY(lines_allocate(&d->warm, 1, size));
-    TRY(allocate(&g->friction, 1, sizeof *g->friction, "diffusion"));
-    TRY(allocate(&g->cooled, 1, sizeof *g->cooled, "diffusion"));
-    TRY(lines_allocate(g->friction, 1, size));
-    TRY(lines_allocate(g->cooled, 1, size));
+    TRY(allocate(&g->diffusion.friction, 1, sizeof *g->diffusion.friction, "diffusion"));
+    TRY(allocate(&g->diffusion.cooled, 1, sizeof *g->diffusion.cooled, "diffusion"));
+    TRY(lines_allocate(g->diffusion.friction, 1, size));
+    TRY(lines_allocate(g->diffusion.cooled, 1, size));
     TRY(lines_allocate(&d->wall.drag, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.heat, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.lift, 1, m->mirror.n));
@@ -82,10 +82,10 @@ status cells_diffuser_make(struct gas *g) {
     for (int i = 0; i < m->mirror.n; i++) {
         const struct patch_rules *r = &g->patches.rules[m->mirror.patch[i]];
         d->slides |= wall_slides(r);
-        d->lifts |= wall_slides(r) || (g->terms.cross && wall_conducts(r));
+        d->lifts |= wall_slides(r) || (g->diffusion.terms.cross && wall_conducts(r));
     }
-    if (g->terms.cross) TRY(cells_cross_make(g, d));
-    if (g->terms.dilation) TRY(lines_allocate(&d->dilation, 1, size));
+    if (g->diffusion.terms.cross) TRY(cells_cross_make(g, d));
+    if (g->diffusion.terms.dilation) TRY(lines_allocate(&d->dilation, 1, size));
     TRY(lines_allocate(&d->mark, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
     TRY(lines_allocate(d->rest, g->dim, faces));
@@ -144,8 +144,8 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         double *T = d->T + at;
         temperature_row(g, n, rho + at, T);
         for (int i = 0; i < n; i++) T[i] = larger(T[i], COLDEST);
-        for (int i = 0; i < n && g->ahead; i++) T[i] *= d->warm[at + i];
-        for (int i = 0; i < n && !g->ahead; i++) d->warm[at + i] = T[i];
+        for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= d->warm[at + i];
+        for (int i = 0; i < n && !g->diffusion.ahead; i++) d->warm[at + i] = T[i];
         const struct gas_models *models = &g->models;
         models->transport->coefficients(&models->transport_params, models->eos, &models->material, n, rho + at, T,
                                         d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
@@ -247,9 +247,10 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
         for (int v = 0; v < lines_of(g, what); v++) {
             double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
             for (int i = 0; i < n; i++)
-                q[i] = what == VISCOUS ? velocity[v][i]
-                                       : temperature_of(&g->models.material, eps[i]) - rest * g->friction[0][at + i] -
-                                             (g->late ? g->cooled[0][at + i] : 0);
+                q[i] = what == VISCOUS
+                           ? velocity[v][i]
+                           : temperature_of(&g->models.material, eps[i]) - rest * g->diffusion.friction[0][at + i] -
+                                 (g->diffusion.late ? g->diffusion.cooled[0][at + i] : 0);
             for (int i = 0; i < n; i++) S[i] = factor * q[i];
         }
     }
@@ -447,7 +448,7 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
             cells_residuals(g->cells, at, n, g->cells->flux[v], M);
             double *next = d->sum[1 - d->last][v] + at;
             sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[d->last][v] + at, next);
-            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * g->friction[0][at + i];
+            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * g->diffusion.friction[0][at + i];
         }
     }
     d->last = 1 - d->last;

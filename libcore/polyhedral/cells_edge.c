@@ -168,7 +168,7 @@ static void wall_shares_run(const struct gas *g, int from, int n, double *const 
         inner[4][i] = cross ? cross[at] : 0;
         d[i] = push[i] = out->drag[from + i] = out->heat[from + i] = out->lift[from + i] = 0;
         for (int k = 0; k < g->dim; k++) {
-            push[i] += g->pull[k] * m->mirror.normal[k][from + i];
+            push[i] += g->diffusion.pull[k] * m->mirror.normal[k][from + i];
             d[i] += (m->centre[k][m->ncells + from + i] - m->centre[k][at]) * m->mirror.normal[k][from + i];
         }
         slip[i] = wall_slides(r) ? slip_at(g, r, from + i, U) : 0;

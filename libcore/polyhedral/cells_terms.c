@@ -34,7 +34,7 @@ static void find_slopes(struct gas *g, const double *rho) {
 static void open_faces(struct gas *g, const double *rho, bool skewed) {
     const struct cells_diffuser *d = g->cells->diffuser;
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const double *cross = d->start[0], thin = g->terms.thin / packing_per_density(&g->models.material);
+    const double *cross = d->start[0], thin = g->diffusion.terms.thin / packing_per_density(&g->models.material);
     for (int i = 0; i < f->n; i++) {
         const int left = f->left[i], right = f->right[i];
         double slope = (rho[right] - rho[left]) * d->inverse[i];

@@ -107,7 +107,7 @@ static double error_of(int mesh, int fine, int wall, bool pulled) {
     open_mesh_of(&s, mesh, fine, wall, "RKJ2");
     const int steps = (meshes[mesh].lattice || pulled ? 4 : 10) * meshes[mesh].recipe.n[0] * fine;
     double error = 0, *before = state_of(&s, world), *after;
-    s.gas->pull[0] = -weight;
+    s.gas->diffusion.pull[0] = -weight;
     if (pulled)
         spread(&s, steps, 0.25 / steps);
     else

@@ -348,7 +348,7 @@ static double difference(int dim, int n, const char *wall, double time) {
         else
             open_box(&s[i], world, dim, r.n, (double[3]){1, 1, 1}, r.cyclic, 8);
         start(&s[i], manufactured_fields);
-        for (int k = 0; k < dim; k++) s[i].gas->pull[k] = 5 - 9 * k;
+        for (int k = 0; k < dim; k++) s[i].gas->diffusion.pull[k] = 5 - 9 * k;
         spread(&s[i], 4, time / 4);
         end[i] = state_of(&s[i], world);
     }
