@@ -133,7 +133,7 @@ static void warm_row(void *gas, const struct row *row) {
     const struct warm *w = gas;
     const struct gas *g = w->g;
     const double *falls = g->falling.cells[row->block] + row->at;
-    const double *part = g->hybrid ? g->dense->part[row->block] + row->at : NULL;
+    const double *part = g->step.hybrid ? g->dense->part[row->block] + row->at : NULL;
     for (int v = 0; v < g->nvar; v++) {
         const long at = v * g->size + row->at;
         const double *from = w->from->block[row->block] + at;
@@ -159,7 +159,7 @@ static void beside_row(void *gas, const struct row *row) {
 static void totals_of_scratch(struct gas *g, const struct state *from, double totals[MAX_VAR]) {
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
     note_status(g->audit, g->engine->state.totals(g, &g->W, totals));
-    if (g->hybrid) (void)g->engine->bed.put(g, &g->W);
+    if (g->step.hybrid) (void)g->engine->bed.put(g, &g->W);
 }
 
 static void find_beside(struct gas *g, const struct state *s, double totals[MAX_VAR]) {
@@ -211,7 +211,7 @@ void audit_bed(struct gas *g) {
     note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);
     for (int k = 0; k < g->components; k++) {
-        bed_push(&g->dense->bed, g->dt, g->dense->kick, k);
+        bed_push(&g->dense->bed, g->step.dt, g->dense->kick, k);
         g->engine->bed.spread(g, g->dense->bed.pushed, g->falling.dropped);
         note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
         g->audit->now.pushed[source_gravity_row()][k] += sum;
@@ -221,7 +221,7 @@ void audit_bed(struct gas *g) {
 /* Is a plan that of gravity's kicks of cells that fall beside a bed? Else gravity is not among the sources of a step
  * with a bed. */
 static bool kicks_beside_bed(const struct gas *g, const struct source_plan *plan) {
-    return g->hybrid && plan->n == 1 && plan->step[0].row == &source_table[source_gravity_row()];
+    return g->step.hybrid && plan->n == 1 && plan->step[0].row == &source_table[source_gravity_row()];
 }
 
 /* Prepares the account for the sources of a plan. Formulas take mass and momentum from the last look at the totals. So

@@ -305,7 +305,7 @@ static bool leans(const struct gas *g) {
 bool dense_refused(struct gas *g, double *dt) {
     struct dense *d = g->dense;
     if (!d || !d->refused) return false;
-    d->refused = g->hybrid = false;
+    d->refused = g->step.hybrid = false;
     d->longest = 0;
     d->paused = d->pause = larger(*dt, smaller(LONGER * d->paused, LONGEST_PAUSE * d->usual));
     /* the last two steps before an event share what is left (solvers/case/control.c), as if this had been planned */

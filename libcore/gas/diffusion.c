@@ -172,7 +172,7 @@ static void forget_cooled(struct gas *g) {
 
 /* Is the step to be left? The ranks ask each other only now and then, in steps that are long. */
 static bool leaves(struct gas *g) {
-    if (++g->diffusion.unasked < ASK_EVERY) return g->left;
+    if (++g->diffusion.unasked < ASK_EVERY) return g->step.left;
     g->diffusion.unasked = 0;
     return asked_to_leave(g);
 }
@@ -248,7 +248,7 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
     if (!g->models.diffusion->plan) return implicit_step(g, what, from, to, all, monotone);
     const long steps = plan_steps(g, all->dt * rate, &stages);
     long bad = 0;
-    for (long i = 0; i < steps && !g->left; i++) {
+    for (long i = 0; i < steps && !g->step.left; i++) {
         const struct lapse one = part_of(all, i, steps);
         bad = super_step(g, what, i ? to : from, to, &one, stages);
     }
@@ -262,13 +262,13 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     tally_mark_heat(g, false);
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
         long bad = 0;
-        for (int i = 0; i < parts && !g->left; i++) {
+        for (int i = 0; i < parts && !g->step.left; i++) {
             const struct lapse part = part_of(&whole, i, parts);
             bad = cover(g, HEAT, i ? to : from, to, &part, rate, parts > 1);
         }
         double most = (double)bad;
         comm_max(g->comm, &most, 1);
-        if (g->left) return 1;
+        if (g->step.left) return 1;
         if (most == 0 || 4 * parts > MOST_PARTS) {
             audit_part(g, GAS_HEAT, to);
             return bad;
@@ -317,8 +317,8 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     long repeats = 0, plain = 0;
     audit_mark(g, false);
     tally_mark(g, false);
-    for (int parts = 1; parts <= MOST_PARTS && !g->left; parts *= repeats > 1 ? 2 : 1) {
-        for (int i = 0; i < parts && !g->left; i++)
+    for (int parts = 1; parts <= MOST_PARTS && !g->step.left; parts *= repeats > 1 ? 2 : 1) {
+        for (int i = 0; i < parts && !g->step.left; i++)
             bad = diffuse_both(g, i ? to : from, to, t + i * (dt / parts), dt / parts, most + 1, repeats > 0);
         most[0] = (double)bad;
         comm_max(g->comm, most, 1);

@@ -60,7 +60,7 @@ static void floor_row(void *flooring, const struct row *row) {
     double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
     const int n = row->n, step = g->floors.step, place = row->block + step * (int)row->at;
     if (!find_bad(n, g->components, g->size, g->limits.least, g->limits.most, U, bad)) return;
-    if (g->hybrid && g->dense->begun) {
+    if (g->step.hybrid && g->dense->begun) {
         floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
         if (!find_bad(n, g->components, g->size, g->limits.least, g->limits.most, U, bad)) return;
     }

@@ -35,7 +35,6 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .comm = f->comm,
                           .dim = f->dim,
                           .components = models->components,
-                          .ncells_all = f->ncells_all,
                           .counts = {.images = f->images},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
@@ -49,7 +48,6 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .comm = grid->comm,
                           .dim = grid->dim,
                           .components = models->components,
-                          .ncells_all = grid->ncells_all,
                           .counts = {.images = 1},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
@@ -73,9 +71,9 @@ int gas_variables(const struct gas *g) {
 
 /* Forgets what was known of the state before. */
 static void forget_state(struct gas *g) {
-    g->speed_known = false;
-    g->guarded = 0;
-    g->slow = -1;
+    g->step.speed_known = false;
+    g->step.guarded = 0;
+    g->step.slow = -1;
 }
 
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
@@ -121,7 +119,7 @@ static status set_state(struct gas *g, long n, const double *rho, const double *
 }
 
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
-    return set_state(g, g->ncells_all, rho, u, T, gas_set_conserved);
+    return set_state(g, g->forest ? g->forest->ncells_all : g->grid->ncells_all, rho, u, T, gas_set_conserved);
 }
 
 status gas_set_own(struct gas *g, long cells, const double *rho, const double *const u[3], const double *T) {
@@ -193,7 +191,7 @@ status gas_check(const struct gas *g) {
 }
 
 void gas_heed(struct gas *g, bool (*asked)(void)) {
-    g->asked = asked;
+    g->step.asked = asked;
 }
 
 void gas_vary(struct gas *g, status (*renew)(void *context, double t), void *context) {
@@ -206,12 +204,12 @@ void renew_patches(struct gas *g, double t) {
 }
 
 void gas_speed(struct gas *g, struct gas_speed *speed) {
-    if (!g->speed_known) {
+    if (!g->step.speed_known) {
         struct gas_speed mine;
         g->engine->state.speed(g, &mine);
         (void)speed_share(g, &mine, false);
     }
-    *speed = g->speed;
+    *speed = g->step.speed;
 }
 
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {

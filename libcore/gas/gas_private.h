@@ -106,6 +106,20 @@ struct half_diffusion {           /* the half step of diffusion in hand; with tr
     struct stiff stiff;
 };
 
+struct stepping {           /* the step in hand and those before it (libcore/gas/step.c) */
+    double dt;              /* s: its Runge-Kutta stages, for fluxes that depend on it */
+    struct gas_speed speed; /* wave speeds of U, if speed_known */
+    bool speed_known;
+    double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */
+    int guarded;             /* number of steps still to be guarded, stage by stage */
+    int slow;                /* number of consecutive tiny steps; -1 in a state that was set: unknown */
+    double slow_dt[2];       /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
+    bool hybrid;             /* has it a bed? */
+    bool (*asked)(void);     /* of gas_heed; NULL: nobody asks */
+    bool left;               /* is it left as asked? The same on all ranks */
+    bool held;               /* is a copy of the field `limited` kept, from before it? */
+};
+
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
@@ -114,42 +128,28 @@ struct gas {
     struct tiles *tiles;     /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
     struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
-    struct half_diffusion diffusion;
-    int dim, ncells_all;
+    int dim;
     int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
     int nvar;       /* components + 2: rho, rho u, E */
-    struct counting counts;
-    long size; /* numbers in a line of a block: the distance from one variable to the next */
+    long size;      /* numbers in a line of a block: the distance from one variable to the next */
+
+    struct state U;    /* the state between steps */
+    struct state U0;   /* after the first half of the sources: the start of the Runge-Kutta step */
+    struct state V, W; /* results of stages, and scratch */
+
     struct patches patches;
+    struct stepping step;
     struct limits limits;
-
-    struct state U;          /* the state between steps */
-    struct state U0;         /* after the first half of the sources: the start of the Runge-Kutta step */
-    struct state V, W;       /* results of stages, and scratch */
-    double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */
-    double dt;               /* s: the Runge-Kutta step in hand, for fluxes that depend on it */
-    struct gas_speed speed;  /* wave speeds of U, if speed_known */
-    bool speed_known;
-
-    int guarded;         /* number of steps still to be guarded, stage by stage (libcore/gas/step.c) */
-    int slow;            /* number of consecutive tiny steps; -1 in a state that was set: unknown */
-    double slow_dt[2];   /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
+    struct floors floors;
+    struct falling falling;
+    struct half_diffusion diffusion;
+    struct dense *dense; /* implicit acoustics; NULL: there are none */
+    struct counting counts;
     struct audit *audit; /* the budget; NULL: none is kept */
     struct tally *tally; /* fluxes through patches; NULL: they are not kept */
-
-    struct floors floors;
-
-    struct falling falling;
-
-    struct dense *dense; /* implicit acoustics; NULL: there are none */
-    bool hybrid;         /* has the step in hand a bed? */
-
-    bool (*asked)(void); /* of gas_heed; NULL: nobody asks */
-    bool left;           /* is this step left as asked? The same on all ranks */
-    bool held;           /* is a copy of the field `limited` kept, from before this step? */
 };
 
-/* Sets g->speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
+/* Sets g->step.speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
  * Collective. */
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
 
@@ -222,7 +222,7 @@ status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_spe
 status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed);
 /* Returns the error of diffusion that is too stiff; g->diffusion.stiff says where and by how much. */
 status stop_of_diffusion(struct gas *g, double t);
-/* Have the ranks been asked to leave the step? Sets g->left. */
+/* Have the ranks been asked to leave the step? Sets g->step.left. */
 bool asked_to_leave(struct gas *g);
 /* Returns the error of a dt so short that t + dt is t, or all but t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);

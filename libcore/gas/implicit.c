@@ -68,10 +68,10 @@ static double error_of(const void *caller, const double *x, const double *residu
             const double error = fabs(residual[k]) / (m->mass[i] * scale * TOLERANCE + 1e-300);
             if (!(error <= most)) most = error == error ? error : HUGE_VAL;
         }
-    double all[] = {most, g->asked && g->asked()};
+    double all[] = {most, g->step.asked && g->step.asked()};
     comm_max(g->comm, all, 2);
-    g->left |= all[1] > 0;
-    return g->left ? 0 : all[0];
+    g->step.left |= all[1] > 0;
+    return g->step.left ? 0 : all[0];
 }
 
 /* ---- set-up ---- */
@@ -207,7 +207,7 @@ static bool stage(struct implicit *m, struct problem *p, const double *f, double
     for (int pass = 0; pass < PASSES; pass++) {
         for (int k = 0; k < rows; k++) m->b[k] = m->mass[k / unknowns] * (f[k] + m->moved[k] - q[k]);
         const int iterations = solve(m, p);
-        if (iterations <= 0 || p->gas->left) return iterations == 0 && !p->gas->left;
+        if (iterations <= 0 || p->gas->step.left) return iterations == 0 && !p->gas->step.left;
         for (int k = 0; k < rows; k++) q[k] += m->d[k];
         operate(p, q, true, m->moved);
     }
@@ -286,7 +286,7 @@ static bool gauss_stages(struct implicit *m, struct problem *p, double s) {
     if (!stage(m, p, m->f, m->q)) return false;
     for (int pass = 0; pass < CORRECTIONS; pass++) {
         const int done = correct_mean(m, p, s);
-        if (done < 0 || p->gas->left) return false;
+        if (done < 0 || p->gas->step.left) return false;
         if (!done) continue;
         memcpy(m->mean, m->q, (size_t)rows * sizeof *m->mean);
         return true;

@@ -63,7 +63,7 @@ static void plan_all(const struct gas *g, double t, double dt, bool second, stru
 /* In a step with a bed gravity is not among the sources. */
 static void plan_sources(const struct gas *g, double t, double dt, bool second, struct source_plan *out) {
     plan_all(g, t, dt, second, out);
-    if (g->hybrid) source_plan_part(out, false);
+    if (g->step.hybrid) source_plan_part(out, false);
 }
 
 /* No cell falls any more. */
@@ -83,7 +83,7 @@ static long half_sources(struct gas *g, double t, double dt, bool second, const 
                          const struct state *to) {
     struct source_plan plan;
     plan_sources(g, t, dt, second, &plan);
-    if (g->falling.cells && !second && !g->hybrid) {
+    if (g->falling.cells && !second && !g->step.hybrid) {
         plan.warm = warm_of(g, t, dt);
         forget_falling(g);
     }
@@ -126,11 +126,11 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
     comm_sum_long(g->comm, count, 2);
     g->counts.now.cells += cells;
     g->counts.now.faces += count[0];
-    if (g->asked && !g->held) g->engine->stage.hold_limited(g, false);
-    g->held = g->asked;
+    if (g->step.asked && !g->step.held) g->engine->stage.hold_limited(g, false);
+    g->step.held = g->step.asked;
     g->engine->stage.note_limited(g, g->counts.now.place);
     g->engine->stage.clear_flags(g);
-    return count[1] == 0 && !g->left;
+    return count[1] == 0 && !g->step.left;
 }
 
 static void swap(struct state *a, struct state *b) {
@@ -174,10 +174,10 @@ bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
     double all[] = {is_void,       mine->rate,    mine->calm, mine->axis[0],
                     mine->axis[1], mine->axis[2], -mine->low, mine->high};
     comm_max(g->comm, all, 8);
-    g->speed = (struct gas_speed){
+    g->step.speed = (struct gas_speed){
         .rate = all[1], .calm = all[2], .axis = {all[3], all[4], all[5]}, .low = -all[6], .high = all[7]};
-    g->speed_known = all[0] == 0;
-    return g->speed_known;
+    g->step.speed_known = all[0] == 0;
+    return g->step.speed_known;
 }
 
 /* Does the diffusion over dt/2 from t on. Notes the mean acceleration by the sources: it pulls the gas onto walls,
@@ -221,11 +221,11 @@ static const struct state *first_halves(struct gas *g, double t, double dt, bool
  * done again from its start, guarded. */
 static bool end_unguarded(struct gas *g, const struct ending *ending, long bad, bool at_once) {
     if (!speed_share(g, &ending->speed, bad > 0)) {
-        g->guarded = GUARDED;
+        g->step.guarded = GUARDED;
         g->engine->stage.clear_flags(g);
         return false;
     }
-    g->speed_known = at_once;
+    g->step.speed_known = at_once;
     return true;
 }
 
@@ -242,7 +242,7 @@ static bool end_guarded(struct gas *g, long bad) {
 /* Mends a stage that left cells of some rank inadmissible; returns false if it cannot. */
 static bool guard_stage(struct gas *g, int stage, const struct state *U0, const struct state *from, double a,
                         double dt) {
-    g->guarded = GUARDED;
+    g->step.guarded = GUARDED;
     g->floors.share = share_of(g->models.stepper, stage);
     return mend_stage(g, U0, from, &g->W, a, dt);
 }
@@ -301,12 +301,13 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
     const struct stepper *s = g->models.stepper;
     struct source_plan plan;
     struct ending ending = {.sources = sources ? &plan : NULL};
-    const bool at_once = !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->hybrid;
-    g->dt = dt;
+    const bool at_once =
+        !guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->step.hybrid;
+    g->step.dt = dt;
     if (g->falling.cells) source_gravity(&g->models.source, t, dt, g->falling.gravity);
-    if (guarded && sources && !g->hybrid && any_rank(g, bad)) return false;
+    if (guarded && sources && !g->step.hybrid && any_rank(g, bad)) return false;
     plan_sources(g, t, dt, true, &plan);
-    const int stages = g->hybrid && g->dense->alone ? 0 : s->stages;
+    const int stages = g->step.hybrid && g->dense->alone ? 0 : s->stages;
     for (int stage = 0; stage < stages; stage++) {
         const struct state *from = stage ? &g->V : U0;
         const double a = s->a[stage], b = s->b[stage] * dt;
@@ -321,11 +322,11 @@ static bool do_stages(struct gas *g, const struct state *U0, double t, double dt
             return false;
         tally_stage(g, (1 - a) * share_of(s, stage) * b);
         audit_rest(g, (1 - a) * share_of(s, stage) * b);
-        if (g->hybrid) dense_keep(g, (1 - a) * share_of(s, stage) * s->b[stage]);
+        if (g->step.hybrid) dense_keep(g, (1 - a) * share_of(s, stage) * s->b[stage]);
         U0 = after_stage(g, U0, stage);
     }
     if (guarded) bad = 0;
-    if (g->hybrid) return end_bed(g, t, dt, sources, guarded, bad);
+    if (g->step.hybrid) return end_bed(g, t, dt, sources, guarded, bad);
     audit_part(g, GAS_FLOW, &g->V);
     if (g->models.transport && !second_diffusion(g, t, dt, bad)) {
         if (guarded) return false;
@@ -364,7 +365,7 @@ static bool overheated(struct gas *g, double dt, double maxCo, const struct gas_
 }
 
 static void attempt_begin(struct gas *g) {
-    g->diffusion.stiff.found = g->left = false;
+    g->diffusion.stiff.found = g->step.left = false;
     g->diffusion.unasked = 0;
     audit_begin(g);
     tally_begin(g);
@@ -372,7 +373,7 @@ static void attempt_begin(struct gas *g) {
 
 /* Ends a step that is left: the state is still that at its start, and so become the counts. */
 static status leave(struct gas *g, const struct gas_counts *start, double *dt) {
-    if (g->held) g->engine->stage.hold_limited(g, true);
+    if (g->step.held) g->engine->stage.hold_limited(g, true);
     g->counts.now = *start;
     g->engine->stage.clear_flags(g);
     *dt = 0;
@@ -400,12 +401,12 @@ static bool try_step(struct gas *g, double t, double dt, double maxCo, const str
                      struct attempt *a) {
     const bool sources = source_active(&g->models.source, &g->models.material);
     long bad;
-    *a = (struct attempt){.guarded = g->guarded > 0};
+    *a = (struct attempt){.guarded = g->step.guarded > 0};
     attempt_begin(g);
-    g->hybrid = takes_bed(g, dt, maxCo / speed->rate);
+    g->step.hybrid = takes_bed(g, dt, maxCo / speed->rate);
     a->U0 = first_halves(g, t, dt, sources, a->guarded, &bad);
-    if (a->U0 && g->hybrid && !start_bed(g, a->U0, t, dt, bad)) a->U0 = NULL;
-    a->hot = a->U0 && !g->hybrid && overheated(g, dt, maxCo, speed);
+    if (a->U0 && g->step.hybrid && !start_bed(g, a->U0, t, dt, bad)) a->U0 = NULL;
+    a->hot = a->U0 && !g->step.hybrid && overheated(g, dt, maxCo, speed);
     return a->U0 && !a->hot && do_stages(g, a->U0, t, dt, sources, a->guarded, bad);
 }
 
@@ -427,13 +428,13 @@ static status renewal_failure(struct gas *g) {
 
 /* Counts a step that stands. */
 static status count_step(struct gas *g) {
-    if (g->guarded > 0) {
+    if (g->step.guarded > 0) {
         TRY(floors_count(g));
-        if (g->floors.filled || g->floors.floored) g->guarded = GUARDED;
-        g->guarded--;
+        if (g->floors.filled || g->floors.floored) g->step.guarded = GUARDED;
+        g->step.guarded--;
     }
-    if (g->hybrid) TRY(dense_count(g));
-    g->hybrid = false;
+    if (g->step.hybrid) TRY(dense_count(g));
+    g->step.hybrid = false;
     return OK;
 }
 
@@ -445,12 +446,13 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     const struct gas_counts start = g->counts.now;
     const bool creeps = !g->dense || g->dense->longest == 0;
     const double calm = creeps && gas_can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
-    if ((creeps && allowed < least) || (allowed < calm && g->slow < 0)) return stop_of_collapse(g, t, allowed, speed);
-    if (g->slow >= STUCK || (g->slow >= 2 * SLOW && g->slow_dt[1] < 0.5 * g->slow_dt[0]))
-        return stop_of_collapse(g, t, g->slow_dt[1], speed);
-    for (int k = 0; k < g->dim; k++) g->fastest[k] = speed->axis[k];
-    g->speed_known = g->held = false;
-    g->hybrid = takes_bed(g, *dt, allowed); /* whose dense tiles are written out, and remain so */
+    if ((creeps && allowed < least) || (allowed < calm && g->step.slow < 0))
+        return stop_of_collapse(g, t, allowed, speed);
+    if (g->step.slow >= STUCK || (g->step.slow >= 2 * SLOW && g->step.slow_dt[1] < 0.5 * g->step.slow_dt[0]))
+        return stop_of_collapse(g, t, g->step.slow_dt[1], speed);
+    for (int k = 0; k < g->dim; k++) g->step.fastest[k] = speed->axis[k];
+    g->step.speed_known = g->step.held = false;
+    g->step.hybrid = takes_bed(g, *dt, allowed); /* whose dense tiles are written out, and remain so */
     for (;;) {
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
         g->engine->stage.fronts(g, speed);
@@ -460,20 +462,20 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         TRY(bed_failure(g));
         if (dense_refused(g, dt)) return gas_step(g, t, dt, maxCo, least, fraction, speed);
         if (asked_to_leave(g)) return leave(g, &start, dt);
-        if (hopeless(g) && !g->hybrid) return stop_of_diffusion(g, t);
+        if (hopeless(g) && !g->step.hybrid) return stop_of_diffusion(g, t);
         if (!tried.guarded && !tried.hot) {
-            g->guarded = GUARDED;
+            g->step.guarded = GUARDED;
             continue;
         }
         g->counts.now.rejected++;
-        *dt = g->hybrid ? 0.5 * *dt : shorter(g, tried.U0, *dt, maxCo);
+        *dt = g->step.hybrid ? 0.5 * *dt : shorter(g, tried.U0, *dt, maxCo);
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
             return g->diffusion.stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
     }
     bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
-    g->slow = !tiny ? 0 : g->slow > 0 ? g->slow + 1 : 1;
-    if (g->slow % SLOW == 1) g->slow_dt[0] = *dt;
-    g->slow_dt[1] = *dt;
+    g->step.slow = !tiny ? 0 : g->step.slow > 0 ? g->step.slow + 1 : 1;
+    if (g->step.slow % SLOW == 1) g->step.slow_dt[0] = *dt;
+    g->step.slow_dt[1] = *dt;
     TRY(count_step(g));
     dense_pass(g, *dt);
     swap(&g->U, &g->V);

@@ -134,9 +134,9 @@ status stop_of_diffusion(struct gas *g, double t) {
 }
 
 bool asked_to_leave(struct gas *g) {
-    double asked = g->asked && g->asked();
-    if (g->asked) comm_max(g->comm, &asked, 1);
-    return g->left |= asked > 0;
+    double asked = g->step.asked && g->step.asked();
+    if (g->step.asked) comm_max(g->comm, &asked, 1);
+    return g->step.left |= asked > 0;
 }
 
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed) {

@@ -116,7 +116,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
     const struct tile *t = &g->forest->tile[tile];
     double *U = s->block[tile];
     const double *falls = marks_of(g, tile);
-    if (!g->models.skip_uniform || g->hybrid) return false;
+    if (!g->models.skip_uniform || g->step.hybrid) return false;
     if (s->narrow[tile]) return true;
     if (!has_background(g, t, s->varied[tile])) {
         long reference = find_reference(g, t, U, falls);

@@ -605,7 +605,7 @@ void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {
 /* ---- in the stages ---- */
 
 bool tiles_hold_bed(const struct gas *g, int tile) {
-    return g->hybrid && g->tiles->bed->holds[tile];
+    return g->step.hybrid && g->tiles->bed->holds[tile];
 }
 
 struct span tiles_moving_span(const struct gas *g, int tile, long row, int n) {

@@ -86,7 +86,7 @@ static void make_faces(const struct gas *g, const double *U, const struct strip 
     f->c = w->c + offset;
     f->gruneisen = w->gruneisen + offset;
     f->falls = g->falling.cells != NULL;
-    f->fastest = g->fastest[axis];
+    f->fastest = g->step.fastest[axis];
     f->pace = w->pace[axis];
     f->params = &g->models.flux_params;
     for (int v = 0; v < g->nvar; v++) {
@@ -461,7 +461,7 @@ static void sweep_tile(struct stage_sweep *x) {
 /* Sets dt/dx of the faces along each axis. */
 static void set_paces(struct gas *g) {
     for (int k = 0; k < g->dim; k++)
-        for (int i = 0; i < BATCH; i++) g->tiles->work.pace[k][i] = g->dt / g->forest->width[k];
+        for (int i = 0; i < BATCH; i++) g->tiles->work.pace[k][i] = g->step.dt / g->forest->width[k];
 }
 
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,

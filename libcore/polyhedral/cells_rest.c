@@ -130,7 +130,7 @@ double cells_rest_near(const struct gas *g, int cell, double *p) {
 
 /* Is a cell one of the bed, whose stages are given up? */
 static bool is_beds(const struct gas *g, int cell) {
-    return g->hybrid && g->dense->part[0][cell] > 0;
+    return g->step.hybrid && g->dense->part[0][cell] > 0;
 }
 
 void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
@@ -236,6 +236,6 @@ status cells_rest(struct gas *g, const bool *rests) {
     leave_open(g);
     g->counts.computed = computed;
     g->counts.all = all;
-    g->speed_known = false;
+    g->step.speed_known = false;
     return OK;
 }

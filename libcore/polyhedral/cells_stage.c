@@ -164,7 +164,7 @@ static struct faces point_primitives(const struct gas *g, struct points *p) {
     struct faces f = {.n = n,
                       .dim = g->components,
                       .stride = BATCH,
-                      .fastest = g->fastest[0],
+                      .fastest = g->step.fastest[0],
                       .pace = p->pace,
                       .params = &g->models.flux_params};
     for (int v = 0; v < g->nvar; v++)
@@ -195,7 +195,8 @@ static void set_paces(const struct gas *g, struct points *p) {
     const struct polyhedra_faces *f = &m->face;
     for (int i = 0; i < (p->n + 7) / 8 * 8; i++) {
         const int face = p->face[i < p->n ? i : p->n - 1];
-        p->pace[i] = 0.5 * (g->dt * f->area[face]) * (1 / m->volume[f->left[face]] + 1 / m->volume[f->right[face]]);
+        p->pace[i] =
+            0.5 * (g->step.dt * f->area[face]) * (1 / m->volume[f->left[face]] + 1 / m->volume[f->right[face]]);
     }
 }
 
@@ -367,7 +368,7 @@ static void update_chunk(struct stage *t, int at) {
     const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
     double residuals[MAX_VAR][BATCH];
     const double *falls = g->falling.cells && g->falling.blocks[0] ? g->falling.cells[0] + at : NULL,
-                 *flag = c->flagged ? c->flag + at : NULL, *part = g->hybrid ? g->dense->part[0] + at : NULL;
+                 *flag = c->flagged ? c->flag + at : NULL, *part = g->step.hybrid ? g->dense->part[0] + at : NULL;
     const struct advance s = {.U0 = t->U0->block[0] + at,
                               .from = t->from->block[0] + at,
                               .residual = residuals[0],

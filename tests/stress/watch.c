@@ -7,6 +7,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+static long cells_of_mesh(const struct gas *g) {
+    return g->forest ? g->forest->ncells_all : g->grid->ncells_all;
+}
+
 /* Calls visit for each cell of this rank: its number here, and its place in a line of a block. */
 typedef void place_visitor(void *context, long cell, int block, long at);
 static void watch_places(const struct gas *g, place_visitor *visit, void *context) {
@@ -400,7 +404,7 @@ static long watched_stage(struct gas *g, const struct state *U0, const struct st
     look_on(w, g, from);
     for (int k = 0; k < g->components; k++)
         w->impulse[k] += carried(g->models.stepper, w->stage) * dt * g->falling.gravity[k];
-    memset(w->flagged, 0, (size_t)g->ncells_all * sizeof *w->flagged);
+    memset(w->flagged, 0, (size_t)cells_of_mesh(g) * sizeof *w->flagged);
     book_stage(w, g, U0, from, NULL, a, dt);
     return w->inner->stage.stage(g, U0, from, to, a, dt);
 }
@@ -433,9 +437,9 @@ static long watched_end(struct gas *g, enum diffusing what, const struct state *
 
 status watch_start(struct watch *w, struct gas *g) {
     *w = (struct watch){.engine = *g->engine, .inner = g->engine};
-    TRY(allocate(&w->before, (long)MAX_VAR * g->ncells_all, sizeof *w->before, "the watch"));
-    TRY(allocate(&w->falls, 2L * g->ncells_all, sizeof *w->falls, "the watch"));
-    w->flagged = w->falls + g->ncells_all;
+    TRY(allocate(&w->before, (long)MAX_VAR * cells_of_mesh(g), sizeof *w->before, "the watch"));
+    TRY(allocate(&w->falls, 2L * cells_of_mesh(g), sizeof *w->falls, "the watch"));
+    w->flagged = w->falls + cells_of_mesh(g);
     tally(w, g);
     memcpy(w->budget.start, w->budget.now, sizeof w->budget.now);
     if (g->dense) return OK; /* the states of its stages are no results */

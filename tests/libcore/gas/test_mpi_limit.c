@@ -124,9 +124,9 @@ static void flag_all(struct gas *g) {
 static long limited_stage(struct gas *g, struct state *U0, double a, double dt) {
     struct gas_speed speed;
     gas_speed(g, &speed);
-    for (int k = 0; k < 3; k++) g->fastest[k] = speed.axis[k];
+    for (int k = 0; k < 3; k++) g->step.fastest[k] = speed.axis[k];
     g->engine->stage.fronts(g, &speed);
-    g->dt = dt > 0 ? dt : largest_step(g);
+    g->step.dt = dt > 0 ? dt : largest_step(g);
     (void)g->engine->stage.stage(g, U0, &g->U, &g->W, a, dt);
     if (dt == 0) dt = largest_step(g);
     flag_all(g);
@@ -135,7 +135,7 @@ static long limited_stage(struct gas *g, struct state *U0, double a, double dt) 
     struct state old = g->U;
     g->U = g->W;
     g->W = old;
-    g->speed_known = false;
+    g->step.speed_known = false;
     long faces = g->limits.faces;
     comm_sum_long(g->comm, &faces, 1);
     return faces;
