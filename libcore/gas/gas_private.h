@@ -106,7 +106,7 @@ struct half_diffusion {           /* the half step of diffusion in hand; with tr
     struct stiff stiff;
 };
 
-struct stepping {           /* the step in hand and those before it (libcore/gas/step.c) */
+struct stepping {           /* the step in hand and those before it (libcore/step/step.c) */
     double dt;              /* s: its Runge-Kutta stages, for fluxes that depend on it */
     struct gas_speed speed; /* wave speeds of U, if speed_known */
     bool speed_known;
@@ -209,7 +209,7 @@ void dense_pass(struct gas *g, double dt);
 /* Counts a bed whose step stands. */
 status dense_count(struct gas *g);
 
-/* ---- why a gas cannot go on (libcore/gas/stop.c); all are collective ---- */
+/* ---- why a gas cannot go on (libcore/step/stop.c); all are collective ---- */
 
 /* Does the gas cool, however slow its impacts are, so that it may reach close packing in finite time? With a threshold
  * speed the steps of a bed at rest are short, but they fall no further. */

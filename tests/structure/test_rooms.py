@@ -29,6 +29,7 @@ ROOMS = {
     "libcore/acoustics": ["libcore/models", "mesh/base"],
     "libcore/schemes": ["libcore/models", "mesh/base", "mesh/polyhedral"],
     "libcore/gas": ["libcore/models", "libcore/schemes", "libcore/acoustics", "mesh/base", "mesh/grid"],
+    "libcore/step": ["libcore/models", "libcore/schemes", "libcore/gas", "mesh/base"],
     "libcore/lattice": ["libcore/models", "libcore/schemes", "libcore/gas", "mesh/base", "mesh/lattice"],
     "libcore/polyhedral": ["libcore/models", "libcore/schemes", "libcore/gas", "mesh/base", "mesh/polyhedral"],
     "libcore/grains": ["libcore/models", "mesh/base"],
