@@ -259,7 +259,7 @@ static long cover(struct gas *g, enum diffusing what, const struct state *from, 
  * steps are not monotone, so a hot thin gas on a cold dense one may end at a hundredth of its T, of either sign. */
 static long conduct(struct gas *g, const struct state *from, const struct state *to, double t, double dt, double rate) {
     const struct lapse whole = {t, dt, 1, 1};
-    tally_mark_heat(g, false);
+    books_mark_heat(g, false);
     for (int parts = 1;; parts *= parts > 1 ? 4 : 2) {
         long bad = 0;
         for (int i = 0; i < parts && !g->step.left; i++) {
@@ -270,11 +270,11 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
         comm_max(g->comm, &most, 1);
         if (g->step.left) return 1;
         if (most == 0 || 4 * parts > MOST_PARTS) {
-            audit_part(g, GAS_HEAT, to);
+            books_part(g, GAS_HEAT, to);
             return bad;
         }
         g->counts.now.repeated++;
-        tally_mark_heat(g, true);
+        books_mark_heat(g, true);
         (void)g->engine->diffusion.flags(g, false);
     }
 }
@@ -282,9 +282,9 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
 /* Takes the heat dilation div u over dt from `mid`, the result of the stress on `from`, if the law has that term. */
 static void dilate(struct gas *g, const struct state *from, const struct state *mid, double dt) {
     if (!g->diffusion.terms.dilation) return;
-    audit_part(g, GAS_HEAT, mid); /* the heat that cross grad rho has moved */
+    books_part(g, GAS_HEAT, mid); /* the heat that cross grad rho has moved */
     g->engine->diffusion.dilate(g, from, mid, dt);
-    audit_part(g, GAS_DILATION, mid);
+    books_part(g, GAS_DILATION, mid);
 }
 
 /* Applies the stress to `from`, then conducts heat, by way of a third state. again: the heat of dilation was taken
@@ -294,7 +294,7 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
     const struct state *mid = to == &g->W ? &g->U0 : &g->W;
     const struct lapse stress = {t, dt, 0, 0};
     (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
-    audit_part(g, GAS_FRICTION, mid);
+    books_part(g, GAS_FRICTION, mid);
     if (!again) dilate(g, from, mid, dt);
     if (g->diffusion.terms.cross) g->engine->diffusion.cross(g, mid, dt);
     note_friction(g, from, mid);
@@ -315,8 +315,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     const bool first = !second && g->engine->diffusion.ahead;
     g->diffusion.ahead = false;
     long repeats = 0, plain = 0;
-    audit_mark(g, false);
-    tally_mark(g, false);
+    books_mark(g, false);
     for (int parts = 1; parts <= MOST_PARTS && !g->step.left; parts *= repeats > 1 ? 2 : 1) {
         for (int i = 0; i < parts && !g->step.left; i++)
             bad = diffuse_both(g, i ? to : from, to, t + i * (dt / parts), dt / parts, most + 1, repeats > 0);
@@ -325,8 +324,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
         if (most[0] == 0) break;
         repeats++;
         if (source_thermal(&g->models.source)) forget_cooled(g);
-        audit_mark(g, true);
-        tally_mark(g, true);
+        books_mark(g, true);
         plain = g->engine->diffusion.flags(g, true);
     }
     (void)g->engine->diffusion.flags(g, false);

@@ -89,7 +89,8 @@ struct stage_hooks {
     long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                   double dt);
     /* Does the last stage of a step and the step's ending, block by block while a block is in the cache. Like stage, it
-     * may get inadmissible cells or NaN in `from`: the result is thrown away then. NULL: step.c does the ending. */
+     * may get inadmissible cells or NaN in `from`: the result is thrown away then. NULL: the parts of the step do the
+     * ending. */
     long (*last_stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt, struct ending *ending);
     /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */

@@ -95,7 +95,7 @@ static status count_fill(struct gas *g) {
         g->counts.now.fill[v] += sum;
     }
     g->counts.now.filled += g->floors.filled;
-    return audit_filled(g);
+    return books_floors(g);
 }
 
 status floors_count(struct gas *g) {

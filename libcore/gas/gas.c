@@ -59,8 +59,7 @@ void gas_free(struct gas *g) {
     implicit_free(g->diffusion.implicit);
     dense_free(g);
     g->engine->state.free(g);
-    audit_free(g->audit);
-    tally_free(g->tally);
+    books_free(g);
     status_free(g->patches.failed);
     free(g);
 }
@@ -203,6 +202,16 @@ void renew_patches(struct gas *g, double t) {
     if (g->patches.renew && !g->patches.failed) g->patches.failed = g->patches.renew(g->patches.renewer, t);
 }
 
+bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
+    double all[] = {is_void,       mine->rate,    mine->calm, mine->axis[0],
+                    mine->axis[1], mine->axis[2], -mine->low, mine->high};
+    comm_max(g->comm, all, 8);
+    g->step.speed = (struct gas_speed){
+        .rate = all[1], .calm = all[2], .axis = {all[3], all[4], all[5]}, .low = -all[6], .high = all[7]};
+    g->step.speed_known = all[0] == 0;
+    return g->step.speed_known;
+}
+
 void gas_speed(struct gas *g, struct gas_speed *speed) {
     if (!g->step.speed_known) {
         struct gas_speed mine;
@@ -225,4 +234,24 @@ void first_place_share(const struct gas *g, const struct first_place *p, double 
 
 status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
     return g->engine->state.totals(g, &g->U, totals);
+}
+
+struct gas_counts gas_counts(const struct gas *g) {
+    struct gas_counts c = g->counts.now;
+    long *const cells[] = {&c.cells, &c.faces, &c.floored, &c.filled, &c.plain};
+    for (int i = 0; i < 5; i++) *cells[i] *= g->counts.images;
+    const struct gas_counts *b = &g->counts.before;
+    const long before[] = {b->cells, b->faces, b->floored, b->filled, b->plain};
+    for (int i = 0; i < 5; i++) *cells[i] += before[i];
+    c.rejected += b->rejected;
+    c.repeated += b->repeated;
+    c.pause[0] = g->dense ? g->dense->pause : 0;
+    c.pause[1] = g->dense ? g->dense->paused : 0;
+    return c;
+}
+
+double gas_computed_share(const struct gas *g) {
+    long count[2] = {g->counts.computed, g->counts.all};
+    comm_sum_long(g->comm, count, 2);
+    return count[1] ? (double)count[0] / (double)(count[1] * g->counts.images) : 1;
 }

@@ -5,6 +5,7 @@
 
 #include "libcore/acoustics/bed.h"
 #include "libcore/gas/audit.h"
+#include "libcore/gas/books.h"
 #include "libcore/gas/engine.h"
 #include "libcore/gas/implicit.h"
 #include "libcore/gas/tally.h"
@@ -19,6 +20,8 @@
 #define MOST_RATIO 1e16
 /* Most stages of stress, or of heat, that a half step may take before it is cut into parts. */
 enum { MOST_STAGES = 100000 };
+
+enum { GUARDED = 16 }; /* steps that are guarded after one that found an inadmissible cell */
 
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct bed bed;
@@ -81,10 +84,11 @@ struct patches {
 };
 
 struct counting {
-    struct gas_counts now;    /* of this run; sums of amounts and `place` go on from an earlier one */
-    struct gas_counts before; /* numbers of an earlier run */
-    long computed, all;       /* cell updates on this rank: computed ones, and with those that were left out */
-    long images;              /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
+    struct gas_counts now;     /* of this run; sums of amounts and `place` go on from an earlier one */
+    struct gas_counts before;  /* numbers of an earlier run */
+    long computed, all;        /* cell updates on this rank: computed ones, and with those that were left out */
+    double seconds[GAS_PARTS]; /* s, clock of this rank: by each part of steps (libcore/step/step_parts.c) */
+    long images;               /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
 };
 
 struct stiff { /* the diffusion that an attempt at a step refused; the same on all ranks */

@@ -3,6 +3,7 @@
 #ifndef SOLVERS_REPORT_H
 #define SOLVERS_REPORT_H
 
+#include "mesh/base/clock.h"
 #include "solvers/case/case.h"
 #include "solvers/output/runtable.h"
 #include <stdio.h>
@@ -21,8 +22,6 @@ struct progress {                 /* pace of a run, for its log */
     bool lost;        /* was the folder of the case gone at the last entry? */
     FILE *table;      /* run.dat, on the root; NULL: it has no row yet */
 };
-double clock_now(void); /* s, wall clock */
-double cpu_now(void);   /* s, CPU time of this process */
 
 struct step_entry { /* the numbers of one log entry */
     double t, dt, courant, end_time;

@@ -445,7 +445,7 @@ status watch_start(struct watch *w, struct gas *g) {
     if (g->dense) return OK; /* the states of its stages are no results */
     w->engine.stage.stage = watched_stage;
     w->engine.stage.redo = watched_redo;
-    w->engine.stage.last_stage = NULL; /* step.c then calls the sources by themselves; the bits are the same */
+    w->engine.stage.last_stage = NULL; /* stages.c then leaves the sources by themselves; the bits are the same */
     w->engine.state.rows = watched_rows;
     w->engine.diffusion.end = watched_end;
     g->engine = &w->engine;
