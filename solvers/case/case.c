@@ -279,14 +279,19 @@ status case_make_folders(const struct setup *s, const char *path) {
     return make_folders(path);
 }
 
-status case_table(const struct setup *s, const char *folder, const char *file, FILE **out) {
+status case_table(const struct setup *s, const char *owner, const char *folder, const char *file, FILE **out) {
     char path[2 * TIME_PATH];
-    snprintf(path, sizeof path, "%s/postProcessing/%s", s->dir, folder);
+    snprintf(path, sizeof path, "%s/postProcessing/%s/%s", s->dir, owner, folder);
     TRY(case_make_folders(s, path));
     size_t length = strlen(path);
     snprintf(path + length, sizeof path - length, "/%s", file);
     int why = file_create_stream(path, out);
     return why ? file_error(path, "cannot be written", why) : OK;
+}
+
+status case_end_row(const char *owner, FILE *file) {
+    if (fprintf(file, "\n") >= 0 && !fflush(file) && !ferror(file)) return OK;
+    return fail(ERR_SYSTEM, "postProcessing/%s: cannot be written (disk full?)", owner);
 }
 
 double case_memory(const struct setup *s) {

@@ -73,8 +73,10 @@ status setup_grid(struct setup *s, bool polyhedral, int rings);
 /* Before anything is made in the case: fails if its folder is gone, or another one stands in its place. */
 status case_here(const struct setup *s);
 status case_make_folders(const struct setup *s, const char *path); /* the same, then makes the folder and its parents */
-/* Opens CASE/postProcessing/FOLDER/FILE for writing, and makes its folders. On the root. */
-status case_table(const struct setup *s, const char *folder, const char *file, FILE **out);
+/* Opens CASE/postProcessing/OWNER/FOLDER/FILE for writing, and makes its folders. On the root. */
+status case_table(const struct setup *s, const char *owner, const char *folder, const char *file, FILE **out);
+/* Ends a row of such a file and hands it to the system; fails if that has no room for it. */
+status case_end_row(const char *owner, FILE *file);
 /* Returns about how many bytes a run needs on all ranks together. */
 double case_memory(const struct setup *s);
 

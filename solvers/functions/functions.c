@@ -182,7 +182,9 @@ static status make_one(struct function *f, struct dict *d) {
     TRY(trigger_read(d, &standard, true, &f->trigger));
     TRY(check_late(f, d));
     if (!f->type->no_fields) TRY(read_fields(f, d));
-    TRY(f->type->make(f, d));
+    if (f->type->size) TRY(allocate(&f->own, 1, f->type->size, f->type->name));
+    if (f->type->nparam) TRY(params_read(d, f->type->param, f->type->nparam, f->own));
+    if (f->type->make) TRY(f->type->make(f, d));
     for (int b = 0; b < f->setup->grid->nblocks; b++)
         if (f->setup->grid->block[b].ncells > largest) largest = f->setup->grid->block[b].ncells;
     return allocate(&f->block_values, 3 * largest, sizeof(double), "a block's field");
@@ -213,6 +215,7 @@ status functions_make(const struct setup *s, struct functions **out) {
             continue;
         }
         g->setup = s;
+        g->last = -HUGE_VAL;
         g->earlier = f->all;
         g->nearlier = f->n;
         snprintf(g->name, sizeof g->name, "%s", name);
@@ -232,7 +235,10 @@ void functions_free(struct functions *f) {
     if (!f) return;
     for (int i = 0; i < f->n; i++) {
         struct function *g = &f->all[i];
-        if (g->own) g->type->free(g->own);
+        if (g->own && g->type->free) g->type->free(g->own);
+        for (int k = 0; k < MAX_QUANTITIES; k++)
+            if (g->table[k]) fclose(g->table[k]);
+        free(g->own);
         free(g->block_values);
     }
     free(f->all);
@@ -254,7 +260,7 @@ static status collect(struct function *f, const struct moment *before, const str
 }
 static status execute(struct function *f, const struct moment *now, const char *name) {
     TRY(make_ready(f));
-    return f->type->execute(f, now, name);
+    return f->type->execute ? f->type->execute(f, now, name) : OK;
 }
 
 double functions_next(const struct functions *f, double t) {
@@ -315,13 +321,37 @@ int function_values(const struct function *f, int block, int field, double *line
 }
 
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out) {
-    char path[TIME_PATH];
-    snprintf(path, sizeof path, "%s/%s", f->name, folder);
-    return case_table(f->setup, path, file, out);
+    return case_table(f->setup, f->name, folder, file, out);
 }
 
-status function_end_row(const struct function *f, FILE *file) {
-    if (fprintf(file, "\n") < 0 || fflush(file) || ferror(file))
-        return fail(ERR_SYSTEM, "postProcessing/%s: cannot be written (disk full?)", f->name);
+status function_row(struct function *f, int i, double t, FILE **out) {
+    const struct function_type *type = f->type;
+    *out = NULL;
+    if (!comm_root(f->setup->comm)) return OK;
+    if (!f->table[i]) {
+        const char *file = type->table[0] ? type->table[i] : quantity_of(f, f->field[i])->name;
+        TRY(function_open(f, f->setup->start.name, file, &f->table[i]));
+        if (type->head) type->head(f, i, f->table[i]);
+    }
+    *out = f->table[i];
+    fprintf(*out, "%-*.12g", type->width, t);
     return OK;
+}
+
+void function_value(FILE *o, char blank, int digits, int components, const double *v) {
+    if (!o) return;
+    if (components == 3)
+        fprintf(o, "%c(%.*g %.*g %.*g)", blank, digits, v[0], digits, v[1], digits, v[2]);
+    else
+        fprintf(o, "%c%.*g", blank, digits, *v);
+}
+
+status function_end_row(const struct function *f, FILE *o) {
+    return o ? case_end_row(f->name, o) : OK;
+}
+
+bool function_again(struct function *f, double t) {
+    const bool again = t == f->last;
+    f->last = t;
+    return again;
 }

@@ -90,7 +90,6 @@ static void average_free(void *own) {
     free(a->keep);
     free(a->all);
     free(a->out);
-    free(a);
 }
 
 /* ---- steps ---- */
@@ -429,10 +428,7 @@ static status make_memory(const struct function *f) {
 
 static status average_make(struct function *f, struct dict *d) {
     struct dict *fields;
-    struct average *a;
-    TRY(allocate(&a, 1, sizeof *a, "averages"));
-    f->own = a;
-    TRY(params_read(d, f->type->param, f->type->nparam, a));
+    struct average *a = f->own;
     if (a->end <= a->start) return dict_fail(d, "timeEnd", "it is not behind timeStart");
     if (!f->trigger.with_fields)
         return dict_fail(d, "writeControl", "means stand in the time folders of the fields: leave it out");
@@ -459,6 +455,7 @@ const struct function_type function_average = {
     .name = "fieldAverage",
     .about = "means over time, and of squared fluctuations, in the time folders: UMean, UPrime2Mean, ..",
     FUNCTION_PARAMS(average_param),
+    .size = sizeof(struct average),
     .keywords = average_keywords,
     .make = average_make,
     .execute = average_execute,

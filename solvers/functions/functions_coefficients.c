@@ -14,8 +14,6 @@ struct coefficients {
     double lift[3], drag[3], pitch[3];        /* as given; pitch is checked only */
     double axis[3][3];                        /* e1, e2, e3 */
     double speed, density, length, reference; /* m/s, kg/m^3, m, m^2 */
-    double written;                           /* s: time of the last row */
-    FILE *file;                               /* on the root; opened by the first row */
 };
 
 static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL},
@@ -74,14 +72,7 @@ static status find_axes(struct coefficients *c, struct dict *d) {
 }
 
 static status coefficients_make(struct function *f, struct dict *d) {
-    struct coefficients *c;
-    if (!f->setup->medium->type->follow)
-        return dict_fail(d, "type", "%s knows no forces on patches; granularGas does",
-                         f->setup->medium->type->application);
-    TRY(allocate(&c, 1, sizeof *c, "coefficients"));
-    f->own = c;
-    c->written = -HUGE_VAL;
-    TRY(params_read(d, f->type->param, f->type->nparam, c));
+    struct coefficients *c = f->own;
     TRY(find_axes(c, d));
     return patches_read(f, d, "patches", &c->patches);
 }
@@ -90,24 +81,24 @@ static void write_vector(FILE *file, const char *name, const double v[3]) {
     fprintf(file, "# %-12s: (%.12g %.12g %.12g)\n", name, v[0], v[1], v[2]);
 }
 
-static status open_table(const struct function *f, struct coefficients *c) {
+static void coefficients_head(const struct function *f, int which, FILE *o) {
     static const char *const names[] = {"dragDir", "sideDir", "liftDir", "rollAxis", "pitchAxis", "yawAxis"};
-    TRY(function_open(f, f->setup->start.name, "coefficient.dat", &c->file));
-    fprintf(c->file, "# Force coefficients\n");
-    for (int i = 0; i < 6; i++) write_vector(c->file, names[i], c->axis[i % 3]);
-    fprintf(c->file, "# %-12s: %.12g\n# %-12s: %.12g\n# %-12s: %.12g\n", "magUInf", c->speed, "lRef", c->length, "Aref",
+    const struct coefficients *c = f->own;
+    (void)which;
+    fprintf(o, "# Force coefficients\n");
+    for (int i = 0; i < 6; i++) write_vector(o, names[i], c->axis[i % 3]);
+    fprintf(o, "# %-12s: %.12g\n# %-12s: %.12g\n# %-12s: %.12g\n", "magUInf", c->speed, "lRef", c->length, "Aref",
             c->reference);
-    write_vector(c->file, "CofR", c->centre);
-    fprintf(c->file, "# \n# %-12s\tCd\tCs\tCl\tCmRoll\tCmPitch\tCmYaw\tCd(f)\tCd(r)\tCs(f)\tCs(r)\tCl(f)\tCl(r)\n",
-            "Time");
-    return OK;
+    write_vector(o, "CofR", c->centre);
+    fprintf(o, "# \n# %-12s\tCd\tCs\tCl\tCmRoll\tCmPitch\tCmYaw\tCd(f)\tCd(r)\tCs(f)\tCs(r)\tCl(f)\tCl(r)\n", "Time");
 }
 
-static status write_row(const struct function *f, double t, const struct force *all) {
-    struct coefficients *c = f->own;
+static status write_row(struct function *f, double t, const struct force *all) {
+    const struct coefficients *c = f->own;
     const double per = 1 / (0.5 * c->density * c->speed * c->speed * c->reference);
     double total[2][3], C[3], Cm[3];
-    if (!c->file) TRY(open_table(f, c));
+    FILE *o;
+    TRY(function_row(f, 0, t, &o));
     for (int k = 0; k < 3; k++) {
         total[0][k] = all->force[PRESSURE][k] + all->force[VISCOUS][k];
         total[1][k] = all->moment[PRESSURE][k] + all->moment[VISCOUS][k];
@@ -117,14 +108,16 @@ static status write_row(const struct function *f, double t, const struct force *
         Cm[k] = per / c->length * along(total[1], c->axis[k]);
     }
     const double turn[3] = {Cm[0], Cm[2], Cm[1]}; /* of drag, side force, lift: roll, yaw, pitch */
-    fprintf(c->file, "%-14.12g", t);
-    for (int k = 0; k < 3; k++) fprintf(c->file, "\t%.15g", C[k]);
-    for (int k = 0; k < 3; k++) fprintf(c->file, "\t%.15g", Cm[k]);
-    for (int k = 0; k < 3; k++) fprintf(c->file, "\t%.15g\t%.15g", 0.5 * C[k] + turn[k], 0.5 * C[k] - turn[k]);
-    if (f->log)
+    for (int k = 0; k < 3; k++) function_value(o, '\t', 15, 1, &C[k]);
+    for (int k = 0; k < 3; k++) function_value(o, '\t', 15, 1, &Cm[k]);
+    for (int k = 0; k < 3; k++) {
+        function_value(o, '\t', 15, 1, &(double){0.5 * C[k] + turn[k]});
+        function_value(o, '\t', 15, 1, &(double){0.5 * C[k] - turn[k]});
+    }
+    if (o && f->log)
         printf("    %s: Cd %.6g Cs %.6g Cl %.6g CmRoll %.6g CmPitch %.6g CmYaw %.6g\n", f->name, C[0], C[1], C[2],
                Cm[0], Cm[1], Cm[2]);
-    return function_end_row(f, c->file);
+    return function_end_row(f, o);
 }
 
 static status coefficients_execute(struct function *f, const struct moment *now, const char *time) {
@@ -133,26 +126,26 @@ static status coefficients_execute(struct function *f, const struct moment *now,
     double dt;
     (void)time;
     TRY(patches_follow(f, &dt));
-    if (dt == 0 || now->t == c->written) return OK;
-    c->written = now->t;
+    if (dt == 0 || function_again(f, now->t)) return OK;
     TRY(patches_force(f, &c->patches, c->centre, c->pressure, &all));
-    return comm_agree(f->setup->comm, comm_root(f->setup->comm) ? write_row(f, now->t, &all) : OK);
+    return comm_agree(f->setup->comm, write_row(f, now->t, &all));
 }
 
 static void coefficients_free(void *own) {
-    struct coefficients *c = own;
-    if (c->file) fclose(c->file);
-    free(c->patches.takes);
-    free(c);
+    free(((struct coefficients *)own)->patches.takes);
 }
 
 const struct function_type function_coefficients = {
     .name = "forceCoeffs",
     .about = "coefficients of force and moment on patches: drag, side force, lift, roll, pitch, yaw; no `fields`",
     FUNCTION_PARAMS(coefficients_param),
+    .size = sizeof(struct coefficients),
     .make = coefficients_make,
     .execute = coefficients_execute,
     .free = coefficients_free,
+    .table = {"coefficient.dat"},
+    .head = coefficients_head,
+    .width = 14,
     .no_fields = true,
     .of_patches = true,
 };

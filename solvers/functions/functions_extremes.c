@@ -14,7 +14,6 @@ struct reached { /* a cell and its centre, m; found by a search, in which all ra
     double x[3];
 };
 struct extremes {
-    FILE *file;           /* on the root; opened by the first execution */
     int *lowest;          /* [blocks] the lowest polyMesh cell of each block; made by the first execution */
     struct reached *spot; /* [fields][2] where the extremes were last; made likewise */
 };
@@ -24,11 +23,6 @@ static const struct param extremes_param[] = {
     ONLY("mode", 0, modes, "of a vector: its magnitude"),
     IGNORED("location", "for OpenFOAM: places are written"),
 };
-
-static status extremes_make(struct function *f, struct dict *d) {
-    TRY(allocate(&f->own, 1, sizeof(struct extremes), "extremes"));
-    return params_read(d, f->type->param, f->type->nparam, f->own);
-}
 
 /* Replaces a vector's first component by its magnitude. */
 static void magnitudes(int components, int n, double *const lines[3]) {
@@ -126,48 +120,55 @@ static status begin(const struct function *f, struct extremes *e) {
     return find_lowest(f->setup->grid, &e->lowest);
 }
 
-static status open_table(const struct function *f, struct extremes *e) {
-    TRY(function_open(f, f->setup->start.name, "fieldMinMax.dat", &e->file));
-    fprintf(e->file, "# Field minima and maxima\n# Time          \tfield\tmin\tlocation(min)\tmax\tlocation(max)\n");
+static void extremes_head(const struct function *f, int i, FILE *o) {
+    (void)f;
+    (void)i;
+    fprintf(o, "# Field minima and maxima\n# Time          \tfield\tmin\tlocation(min)\tmax\tlocation(max)\n");
+}
+
+/* Writes the row of a field: value and place of its least and its largest value. */
+static status write_row(struct function *f, double t, const char *name, const double v[2], const double *const at[2]) {
+    FILE *o;
+    TRY(function_row(f, 0, t, &o));
+    if (o) fprintf(o, "\t%s", name);
+    for (int end = 0; end < 2; end++) {
+        function_value(o, '\t', 12, 1, &v[end]);
+        function_value(o, '\t', 12, 3, at[end]);
+    }
+    TRY(function_end_row(f, o));
+    if (o && f->log) printf("    %s: min(%s) = %g, max(%s) = %g\n", f->name, name, v[0], name, v[1]);
     return OK;
 }
 
 static status extremes_execute(struct function *f, const struct moment *now, const char *time) {
     struct extremes *e = f->own;
     (void)time;
-    bool root = comm_root(f->setup->comm);
     status s = e->lowest ? OK : begin(f, e);
     TRY(comm_agree(f->setup->comm, s));
-    if (root && !e->file) s = open_table(f, e);
     for (int k = 0; k < f->nfields; k++) {
         double v[2];
         int cell[2];
         find_extremes(f, f->field[k], v, cell);
-        const double *a = place_of(f, cell[0], &e->spot[2 * k]), *b = place_of(f, cell[1], &e->spot[2 * k + 1]);
-        if (!root || s) continue;
-        fprintf(e->file, "%-16.12g\t%s\t%.12g\t(%.12g %.12g %.12g)\t%.12g\t(%.12g %.12g %.12g)", now->t,
-                quantity_of(f, f->field[k])->name, v[0], a[0], a[1], a[2], v[1], b[0], b[1], b[2]);
-        s = function_end_row(f, e->file);
-        if (f->log)
-            printf("    %s: min(%s) = %g, max(%s) = %g\n", f->name, quantity_of(f, f->field[k])->name, v[0],
-                   quantity_of(f, f->field[k])->name, v[1]);
+        const double *const at[2] = {place_of(f, cell[0], &e->spot[2 * k]), place_of(f, cell[1], &e->spot[2 * k + 1])};
+        if (!s) s = write_row(f, now->t, quantity_of(f, f->field[k])->name, v, at);
     }
     return comm_agree(f->setup->comm, s);
 }
 
 static void extremes_free(void *own) {
     struct extremes *e = own;
-    if (e->file) fclose(e->file);
     free(e->lowest);
     free(e->spot);
-    free(e);
 }
 
 const struct function_type function_extremes = {
     .name = "fieldMinMax",
     .about = "smallest and largest value and where",
     FUNCTION_PARAMS(extremes_param),
-    .make = extremes_make,
+    .size = sizeof(struct extremes),
     .execute = extremes_execute,
     .free = extremes_free,
+    .table = {"fieldMinMax.dat"},
+    .head = extremes_head,
+    .width = 16,
 };

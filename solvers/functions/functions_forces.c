@@ -9,8 +9,6 @@
 struct forces {
     struct patch_choice patches;
     double centre[3], pressure; /* m, Pa */
-    double written;             /* s: time of the last row */
-    FILE *file[2];              /* force and moment; on the root, opened by the first row */
 };
 
 static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL},
@@ -29,14 +27,7 @@ static const struct param forces_param[] = {
 };
 
 static status forces_make(struct function *f, struct dict *d) {
-    struct forces *o;
-    if (!f->setup->medium->type->follow)
-        return dict_fail(d, "type", "%s knows no forces on patches; granularGas does",
-                         f->setup->medium->type->application);
-    TRY(allocate(&o, 1, sizeof *o, "forces"));
-    f->own = o;
-    o->written = -HUGE_VAL;
-    TRY(params_read(d, f->type->param, f->type->nparam, o));
+    struct forces *o = f->own;
     return patches_read(f, d, "patches", &o->patches);
 }
 
@@ -53,37 +44,33 @@ static void print_depth(const struct function *f, FILE *file) {
         fprintf(file, "# %-12s: %.12g\n", s->dim == 2 ? "thickness" : "section", depth);
 }
 
-static status open_table(const struct function *f, struct forces *o, int i) {
-    static const char *const files[] = {"force.dat", "moment.dat"}, *const titles[] = {"Force", "Moment"};
-    TRY(function_open(f, f->setup->start.name, files[i], &o->file[i]));
-    fprintf(o->file[i], "# %s\n# %-12s: (%.12g %.12g %.12g)\n", titles[i], "CofR", o->centre[0], o->centre[1],
-            o->centre[2]);
-    print_depth(f, o->file[i]);
-    fprintf(o->file[i], "# %-12s", "Time");
-    fprintf(o->file[i], "\t(total_x total_y total_z)\t(pressure_x pressure_y pressure_z)\t(viscous_x viscous_y "
-                        "viscous_z)\n");
-    return OK;
+static void forces_head(const struct function *f, int i, FILE *o) {
+    static const char *const titles[] = {"Force", "Moment"};
+    const double *centre = ((const struct forces *)f->own)->centre;
+    fprintf(o, "# %s\n# %-12s: (%.12g %.12g %.12g)\n", titles[i], "CofR", centre[0], centre[1], centre[2]);
+    print_depth(f, o);
+    fprintf(o,
+            "# %-12s\t(total_x total_y total_z)\t(pressure_x pressure_y pressure_z)\t(viscous_x viscous_y viscous_z)\n",
+            "Time");
 }
 
-static status write_row(const struct function *f, FILE *file, double t, double part[FORCE_PARTS][3]) {
+static status write_row(struct function *f, int i, double t, double part[FORCE_PARTS][3]) {
     double total[3];
+    FILE *o;
+    TRY(function_row(f, i, t, &o));
     for (int k = 0; k < 3; k++) total[k] = part[PRESSURE][k] + part[VISCOUS][k];
-    const double *const columns[] = {total, part[PRESSURE], part[VISCOUS]};
-    fprintf(file, "%-14.12g", t);
-    for (int i = 0; i < 3; i++) fprintf(file, "\t(%.15g %.15g %.15g)", columns[i][0], columns[i][1], columns[i][2]);
-    return function_end_row(f, file);
+    function_value(o, '\t', 15, 3, total);
+    for (int k = 0; k < FORCE_PARTS; k++) function_value(o, '\t', 15, 3, part[k]);
+    return function_end_row(f, o);
 }
 
 static status forces_write(struct function *f, double t, struct force *all) {
-    struct forces *o = f->own;
-    for (int i = 0; i < 2; i++) {
-        if (!o->file[i]) TRY(open_table(f, o, i));
-        TRY(write_row(f, o->file[i], t, i ? all->moment : all->force));
-    }
-    if (f->log)
-        printf("    %s: pressure (%.6g %.6g %.6g) viscous (%.6g %.6g %.6g)\n", f->name, all->force[PRESSURE][0],
-               all->force[PRESSURE][1], all->force[PRESSURE][2], all->force[VISCOUS][0], all->force[VISCOUS][1],
-               all->force[VISCOUS][2]);
+    const double *p = all->force[PRESSURE], *v = all->force[VISCOUS];
+    TRY(write_row(f, 0, t, all->force));
+    TRY(write_row(f, 1, t, all->moment));
+    if (f->log && comm_root(f->setup->comm))
+        printf("    %s: pressure (%.6g %.6g %.6g) viscous (%.6g %.6g %.6g)\n", f->name, p[0], p[1], p[2], v[0], v[1],
+               v[2]);
     return OK;
 }
 
@@ -93,27 +80,26 @@ static status forces_execute(struct function *f, const struct moment *now, const
     double dt;
     (void)time;
     TRY(patches_follow(f, &dt));
-    if (dt == 0 || now->t == o->written) return OK;
-    o->written = now->t;
+    if (dt == 0 || function_again(f, now->t)) return OK;
     TRY(patches_force(f, &o->patches, o->centre, o->pressure, &all));
-    return comm_agree(f->setup->comm, comm_root(f->setup->comm) ? forces_write(f, now->t, &all) : OK);
+    return comm_agree(f->setup->comm, forces_write(f, now->t, &all));
 }
 
 static void forces_free(void *own) {
-    struct forces *o = own;
-    for (int i = 0; i < 2; i++)
-        if (o->file[i]) fclose(o->file[i]);
-    free(o->patches.takes);
-    free(o);
+    free(((struct forces *)own)->patches.takes);
 }
 
 const struct function_type function_forces = {
     .name = "forces",
     .about = "force and moment on patches by pressure and viscous stress, mean over the step; no `fields`",
     FUNCTION_PARAMS(forces_param),
+    .size = sizeof(struct forces),
     .make = forces_make,
     .execute = forces_execute,
     .free = forces_free,
+    .table = {"force.dat", "moment.dat"},
+    .head = forces_head,
+    .width = 14,
     .no_fields = true,
     .of_patches = true,
 };

@@ -124,11 +124,8 @@ static status read_options(struct image *x, struct dict *d) {
 }
 
 static status image_make(struct function *f, struct dict *d) {
-    struct image *x;
-    TRY(allocate(&x, 1, sizeof *x, "pictures"));
-    f->own = x;
+    struct image *x = f->own;
     x->f = f;
-    TRY(params_read(d, f->type->param, f->type->nparam, x));
     if (!f->trigger.with_fields)
         return dict_fail(d, "writeControl", "pictures are of the times that are written: leave it out");
     TRY(read_fields(x, d));
@@ -280,13 +277,13 @@ static void image_free(void *own) {
     char reason[MESSAGE];
     if (wait_for_child(x, reason)) warn_once(x, reason);
     for (int i = 0; i < MOST_OPTIONS; i++) free(x->option[i]);
-    free(x);
 }
 
 const struct function_type function_image = {
     .name = "image",
     .about = "pictures of the written times, by haffPlot",
     FUNCTION_PARAMS(image_param),
+    .size = sizeof(struct image),
     .make = image_make,
     .execute = image_execute,
     .free = image_free,

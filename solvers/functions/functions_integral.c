@@ -8,7 +8,6 @@
 
 struct integral {
     int operation; /* VOL_INTEGRATE .. MAXIMUM */
-    FILE *file;    /* on the root; opened by the first execution */
     double volume; /* m^3, of all blocks; found by the first execution, as is */
     double *kept;  /* [fields][3][blocks][2] a value that filled a block, and its sum then */
 };
@@ -21,13 +20,6 @@ static const struct param integral_param[] = {
     CHOICE("operation", operation, REQUIRED, operation_names, "over all cells"),
     ONLY("regionType", 0, regions, "the whole mesh"),
 };
-
-static status integral_make(struct function *f, struct dict *d) {
-    struct integral *v;
-    TRY(allocate(&v, 1, sizeof *v, "an integral"));
-    f->own = v;
-    return params_read(d, f->type->param, f->type->nparam, v);
-}
 
 /* Sums a component of a field over a block, cell by cell. Where the block is uniform (n = 1) and has the value of the
  * last such call, the sum is that of then. */
@@ -100,10 +92,11 @@ static status find_volumes(const struct function *f, struct integral *v) {
     return s;
 }
 
-static status integral_open(const struct function *f, struct integral *v) {
+static void integral_head(const struct function *f, int which, FILE *o) {
+    const struct integral *v = f->own;
     const struct grid *grid = f->setup->grid;
     double volume = 0, part = 0;
-    TRY(function_open(f, f->setup->start.name, "volFieldValue.dat", &v->file));
+    (void)which;
     if (grid->polyhedra) volume = v->volume;
     for (int i = 0; grid->forest && i < grid->ncells_all; i++) { /* in pieces, which keep the digits of equal volumes */
         part += grid->forest->volume;
@@ -111,51 +104,44 @@ static status integral_open(const struct function *f, struct integral *v) {
         volume += part;
         part = 0;
     }
-    fprintf(v->file, "# Region type : all\n# Cells  : %d\n# Volume : %.12g\n# Time          ", grid->ncells_all,
+    fprintf(o, "# Region type : all\n# Cells  : %d\n# Volume : %.12g\n# Time          ", grid->ncells_all,
             volume + part);
     for (int k = 0; k < f->nfields; k++)
-        fprintf(v->file, "\t%s(%s)", operation_names[v->operation], quantity_of(f, f->field[k])->name);
-    fprintf(v->file, "\n");
-    return OK;
+        fprintf(o, "\t%s(%s)", operation_names[v->operation], quantity_of(f, f->field[k])->name);
+    fprintf(o, "\n");
 }
 
 static status integral_execute(struct function *f, const struct moment *now, const char *time) {
     struct integral *own = f->own;
+    FILE *o;
     (void)time;
-    bool root = comm_root(f->setup->comm);
-    status s = own->kept ? OK : find_volumes(f, own);
-    TRY(comm_agree(f->setup->comm, s));
-    if (root && !own->file) s = integral_open(f, own);
-    if (root && !s) fprintf(own->file, "%-16.12g", now->t);
+    TRY(comm_agree(f->setup->comm, own->kept ? OK : find_volumes(f, own)));
+    status s = function_row(f, 0, now->t, &o);
     for (int k = 0; k < f->nfields; k++) {
         double v[3];
         status reduced = reduce(f, k, v);
         if (!s) s = reduced;
-        if (!root || s) continue;
-        if (quantity_of(f, f->field[k])->components == 3)
-            fprintf(own->file, "\t(%.15g %.15g %.15g)", v[0], v[1], v[2]);
-        else
-            fprintf(own->file, "\t%.15g", v[0]);
+        if (!o || s) continue;
+        function_value(o, '\t', 15, quantity_of(f, f->field[k])->components, v);
         if (f->log)
             printf("    %s: %s(%s) = %.12g\n", f->name, operation_names[own->operation],
                    quantity_of(f, f->field[k])->name, v[0]);
     }
-    if (root && !s) s = function_end_row(f, own->file);
-    return comm_agree(f->setup->comm, s);
+    return comm_agree(f->setup->comm, s ? s : function_end_row(f, o));
 }
 
 static void integral_free(void *own) {
-    struct integral *v = own;
-    if (v->file) fclose(v->file);
-    free(v->kept);
-    free(v);
+    free(((struct integral *)own)->kept);
 }
 
 const struct function_type function_integral = {
     .name = "volFieldValue",
     .about = "volIntegrate, volAverage, sum, min or max over all cells",
     FUNCTION_PARAMS(integral_param),
-    .make = integral_make,
+    .size = sizeof(struct integral),
     .execute = integral_execute,
     .free = integral_free,
+    .table = {"volFieldValue.dat"},
+    .head = integral_head,
+    .width = 16,
 };

@@ -34,7 +34,6 @@ static status check_others(const struct function *f, struct dict *d, const char 
 
 static status objects_make(struct function *f, struct dict *d) {
     const char *key = dict_has(d, "objects") ? "objects" : "fields";
-    TRY(params_read(d, f->type->param, f->type->nparam, NULL));
     if (!f->trigger.with_fields)
         return dict_fail(d, "writeControl", "its fields stand in the time folders of the others: leave it out");
     if (dict_has(d, "objects") && dict_has(d, "fields"))
@@ -43,13 +42,6 @@ static status objects_make(struct function *f, struct dict *d) {
         return dict_missing(d, "objects", "the fields that it writes: objects (Ma vorticity);");
     TRY(function_fields(f, d, key));
     return check_others(f, d, key);
-}
-
-static status objects_execute(struct function *f, const struct moment *now, const char *time) {
-    (void)f;
-    (void)now;
-    (void)time;
-    return OK; /* all is done when the fields are saved */
 }
 
 static status objects_save(const struct function *f, const struct field_writer *w, struct checksums *sums) {
@@ -67,8 +59,7 @@ const struct function_type function_objects = {
     .name = "writeObjects",
     .about = "fields made of the state, in the time folders: Ma, vorticity, ..",
     FUNCTION_PARAMS(objects_param),
-    .make = objects_make,
-    .execute = objects_execute,
+    .make = objects_make, /* all is written when the fields are saved */
     .no_fields = true,
     .with_fields = true,
     .save = objects_save,

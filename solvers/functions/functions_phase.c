@@ -50,7 +50,6 @@ static void phases_free(void *own) {
     free(p->between);
     means_cells_free(&p->cells);
     free(p->rho_now);
-    free(p);
 }
 
 /* Is field k weighted by rho? */
@@ -338,10 +337,7 @@ static status make_lines(const struct function *f) {
 }
 
 static status phases_make(struct function *f, struct dict *d) {
-    struct phases *p;
-    TRY(allocate(&p, 1, sizeof *p, "averages"));
-    f->own = p;
-    TRY(params_read(d, f->type->param, f->type->nparam, p));
+    struct phases *p = f->own;
     if (p->period == 0) TRY(shaken_period(f, d, &p->period));
     TRY(means_file(f, d, p->file));
     p->rho = means_density(f);
@@ -360,6 +356,7 @@ const struct function_type function_phases = {
     .name = "phaseAverage",
     .about = "means at the same phases of a period: period (of constant/shaking), start (0), phases (20)",
     FUNCTION_PARAMS(phases_param),
+    .size = sizeof(struct phases),
     .make = phases_make,
     .execute = phases_execute,
     .free = phases_free,

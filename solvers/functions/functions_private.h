@@ -18,21 +18,31 @@ struct function { /* one function object; its members are for all types */
     bool log;          /* are results printed, too? */
     double start, end; /* s: when it writes, both included */
     int nfields;
-    int field[MAX_QUANTITIES];  /* [nfields] the fields that it takes, as indices of the medium's quantities */
-    bool takes[MAX_QUANTITIES]; /* which it takes at all, elsewhere than in `fields`, too */
-    double *block_values;       /* [3][cells of the largest block] room for function_block */
-    void *own;                  /* the type's own struct: made by its make, freed by its free */
+    int field[MAX_QUANTITIES];   /* [nfields] the fields that it takes, as indices of the medium's quantities */
+    bool takes[MAX_QUANTITIES];  /* which it takes at all, elsewhere than in `fields`, too */
+    double *block_values;        /* [3][cells of the largest block] room for function_block */
+    FILE *table[MAX_QUANTITIES]; /* on the root: its tables; opened by their first rows */
+    double last;                 /* s: the last time that function_again was asked of */
+    void *own;                   /* the type's own struct; NULL: it has none */
 };
 struct function_type {
     const char *name, *about;
-    const struct param *param; /* [nparam] the type's own entries, for `make` and the reference; NULL: there are none */
+    const struct param *param; /* [nparam] the type's own entries; NULL: there are none */
     int nparam;
     void (*keywords)(struct keywords *k); /* goes through those of dictionaries in it; NULL: there are none */
-    /* Reads the type's own entries and allocates f->own, which free gets even if make failed. Collective. */
+    long size;                            /* bytes of the type's own struct, into which `param` is read */
+    /* Reads the rest of the dictionary into f->own. Collective. NULL: there is no rest. */
     status (*make)(struct function *f, struct dict *d);
-    /* Writes the results at a time, whose name is for files. Collective. */
+    /* Writes the results at a time, whose name is for files. Collective. NULL: there are none. */
     status (*execute)(struct function *f, const struct moment *now, const char *time);
-    void (*free)(void *own);
+    void (*free)(
+        void *own); /* frees what f->own holds, even if make failed; NULL: nothing. f->own itself is freed behind */
+    /* The tables that it writes: files postProcessing/<function>/<start>/<table>, NULL: one for each field, by its
+     * name. head prints the lines in front of the rows of table i (NULL: there are none); rows begin with the time, in
+     * so many characters. */
+    const char *table[2];
+    void (*head)(const struct function *f, int i, FILE *o);
+    int width;
     bool no_fields;   /* does it do without `fields`? */
     bool of_patches;  /* does it need a medium that knows what leaves it through patches? */
     bool all_fields;  /* does it take the fields that the medium shows, if it has no `fields`? */
@@ -87,8 +97,15 @@ status means_open(const struct field_writer *w, const char *file, struct foam_fo
 status means_read(const struct function *f, const char *file, struct dict **out);
 /* Reads a list of `size` numbers, which was written as such; *out is malloc'd. */
 status means_list(struct dict *d, const char *key, long size, double **out);
+/* Begins a row of table i. *out is NULL on the other ranks, for which function_value and function_end_row do nothing.
+ */
+status function_row(struct function *f, int i, double t, FILE **out);
+/* Prints a number, or a vector (x y z), with so many digits, behind a blank or a tab. */
+void function_value(FILE *o, char blank, int digits, int components, const double *v);
 /* Ends a row of a table and hands it to the system; fails if that has no room for it. */
-status function_end_row(const struct function *f, FILE *file);
+status function_end_row(const struct function *f, FILE *o);
+/* Was the last call for this time, too? */
+bool function_again(struct function *f, double t);
 
 struct spot {    /* a point and the cell that holds it */
     double x[3]; /* m */

@@ -81,10 +81,7 @@ static status set_make(struct function *f, struct sets *sets, const char *name, 
 
 static status sets_make(struct function *f, struct dict *d) {
     struct dict *all, *one;
-    struct sets *sets;
-    TRY(allocate(&sets, 1, sizeof *sets, "lines"));
-    f->own = sets;
-    TRY(params_read(d, f->type->param, f->type->nparam, sets));
+    struct sets *sets = f->own;
     TRY(dict_sub(d, "sets", &all));
     int n = dict_count(all);
     if (!n) return dict_fail(d, "sets", "it is empty");
@@ -156,13 +153,13 @@ static void sets_free(void *own) {
     struct sets *s = own;
     spots_free(&s->spots);
     free(s->line);
-    free(s);
 }
 
 const struct function_type function_sets = {
     .name = "sets",
     .about = "values along lines, one file per line and time",
     FUNCTION_PARAMS(sets_param),
+    .size = sizeof(struct sets),
     .keywords = sets_keywords,
     .make = sets_make,
     .execute = sets_execute,

@@ -59,8 +59,6 @@ struct surface_value {
     bool flows; /* is any field a flow? */
     struct patch_choice patches;
     struct surface surface;
-    FILE *file;     /* on the root; opened by the first row */
-    double written; /* s: time of the last row */
 };
 
 struct plane { /* what its dictionary says */
@@ -201,11 +199,7 @@ static status read_name(struct surface_value *v, struct dict *d) {
 }
 
 static status value_make(struct function *f, struct dict *d) {
-    struct surface_value *v;
-    TRY(allocate(&v, 1, sizeof *v, "a surface"));
-    f->own = v;
-    v->written = -HUGE_VAL;
-    TRY(params_read(d, f->type->param, f->type->nparam, v));
+    struct surface_value *v = f->own;
     TRY(read_fields(f, v, d));
     TRY(read_weight(f, v, d));
     if (v->region == PATCH || dict_has(d, "name")) TRY(read_name(v, d));
@@ -339,65 +333,58 @@ static const char *field_name(const struct function *f, int i) {
     return flow >= 0 ? flow_names[flow] : f->setup->medium->type->quantity[v->field[i].quantity].name;
 }
 
-static status open_table(const struct function *f, struct surface_value *v) {
-    TRY(function_open(f, f->setup->start.name, "surfaceFieldValue.dat", &v->file));
-    fprintf(v->file, "# Region type : %s %s\n# %-12s: %d\n# %-12s: %.12g\n# %-12s: %.12g\n", region_names[v->region],
-            v->name, "Faces", v->surface.n, "Area", v->surface.area, "Scale factor", v->scale);
-    if (v->weight >= 0)
-        fprintf(v->file, "# %-12s: %s\n", "Weight field", f->setup->medium->type->quantity[v->weight].name);
-    fprintf(v->file, "# %-12s", "Time");
-    if (v->area) fprintf(v->file, "\tArea");
-    for (int i = 0; i < v->nfields; i++) fprintf(v->file, "\t%s(%s)", operation_names[v->operation], field_name(f, i));
-    fprintf(v->file, "\n");
-    return OK;
+static void value_head(const struct function *f, int which, FILE *o) {
+    const struct surface_value *v = f->own;
+    (void)which;
+    fprintf(o, "# Region type : %s %s\n# %-12s: %d\n# %-12s: %.12g\n# %-12s: %.12g\n", region_names[v->region], v->name,
+            "Faces", v->surface.n, "Area", v->surface.area, "Scale factor", v->scale);
+    if (v->weight >= 0) fprintf(o, "# %-12s: %s\n", "Weight field", quantity_of(f, v->weight)->name);
+    fprintf(o, "# %-12s", "Time");
+    if (v->area) fprintf(o, "\tArea");
+    for (int i = 0; i < v->nfields; i++) fprintf(o, "\t%s(%s)", operation_names[v->operation], field_name(f, i));
+    fprintf(o, "\n");
 }
 
-static void write_value(const struct function *f, int i, const double *value, int components) {
+static void write_value(const struct function *f, FILE *o, int i, const double *value, int components) {
     const struct surface_value *v = f->own;
-    const double s = v->scale;
-    if (components == 3)
-        fprintf(v->file, "\t(%.15g %.15g %.15g)", s * value[0], s * value[1], s * value[2]);
-    else
-        fprintf(v->file, "\t%.15g", s * value[0]);
+    double scaled[3];
+    for (int k = 0; k < components; k++) scaled[k] = v->scale * value[k];
+    function_value(o, '\t', 15, components, scaled);
     if (!f->log) return;
-    printf("    %s: %s(%s) = ", f->name, operation_names[v->operation], field_name(f, i));
-    if (components == 3)
-        printf("(%.12g %.12g %.12g)\n", s * value[0], s * value[1], s * value[2]);
-    else
-        printf("%.12g\n", s * value[0]);
+    printf("    %s: %s(%s) =", f->name, operation_names[v->operation], field_name(f, i));
+    function_value(stdout, ' ', 12, components, scaled);
+    printf("\n");
 }
 
 /* Writes a field's column; all ranks sample it, the root writes. */
-static status write_field(const struct function *f, int i, const struct flow *flow, const double *weight) {
+static status write_field(const struct function *f, FILE *o, int i, const struct flow *flow, const double *weight) {
     static const int first[FLOWS] = {0, 1, 4}, size[FLOWS] = {1, 3, 1};
     const struct surface_value *v = f->own;
-    const bool root = comm_root(f->setup->comm);
     double *values, out[3];
     if (v->field[i].flow >= 0) {
         const int which = v->field[i].flow;
-        if (root) write_value(f, i, flow->sum + first[which], size[which]);
+        if (o) write_value(f, o, i, flow->sum + first[which], size[which]);
         return OK;
     }
-    const int m = f->setup->medium->type->quantity[v->field[i].quantity].components;
+    const int m = quantity_of(f, v->field[i].quantity)->components;
     const status sampled = surface_sample(&v->surface, f, v->field[i].quantity, &values);
-    if (!sampled && root) {
+    if (!sampled && o) {
         const struct reduction r = {&v->surface, v->operation, m, values, weight};
         const int columns = is_normal(v->operation) ? 1 : m;
         for (int k = 0; k < columns; k++) out[k] = reduce(&r, k);
-        write_value(f, i, out, columns);
+        write_value(f, o, i, out, columns);
     }
     free(values);
     return comm_agree(f->setup->comm, sampled);
 }
 
-static status write_row(const struct function *f, double t, const struct flow *flow, const double *weight) {
-    struct surface_value *v = f->own;
-    const bool root = comm_root(f->setup->comm);
-    TRY(comm_agree(f->setup->comm, root && !v->file ? open_table(f, v) : OK));
-    if (root) fprintf(v->file, "%-14.12g", t);
-    if (root && v->area) fprintf(v->file, "\t%.15g", v->surface.area);
-    for (int i = 0; i < v->nfields; i++) TRY(write_field(f, i, flow, weight));
-    return comm_agree(f->setup->comm, root ? function_end_row(f, v->file) : OK);
+static status write_row(struct function *f, double t, const struct flow *flow, const double *weight) {
+    const struct surface_value *v = f->own;
+    FILE *o;
+    TRY(comm_agree(f->setup->comm, function_row(f, 0, t, &o)));
+    if (v->area) function_value(o, '\t', 15, 1, &v->surface.area);
+    for (int i = 0; i < v->nfields; i++) TRY(write_field(f, o, i, flow, weight));
+    return comm_agree(f->setup->comm, function_end_row(f, o));
 }
 
 /* Before the first step nothing has flowed through patches: there is no row then. */
@@ -407,8 +394,7 @@ static status value_execute(struct function *f, const struct moment *now, const 
     double dt = 1, *weight = NULL;
     (void)time;
     if (v->flows && v->region == PATCH) TRY(patches_follow(f, &dt));
-    if (dt == 0 || now->t == v->written) return OK;
-    v->written = now->t;
+    if (dt == 0 || function_again(f, now->t)) return OK;
     TRY(find_flow(f, v, &flow));
     TRY(surface_renew(&v->surface));
     if (v->weight >= 0) TRY(comm_agree(f->setup->comm, surface_sample(&v->surface, f, v->weight, &weight)));
@@ -419,19 +405,21 @@ static status value_execute(struct function *f, const struct moment *now, const 
 
 static void value_free(void *own) {
     struct surface_value *v = own;
-    if (v->file) fclose(v->file);
     free(v->patches.takes);
     surface_free(&v->surface);
-    free(v);
 }
 
 const struct function_type function_surface_value = {
     .name = "surfaceFieldValue",
     .about = "sums, averages, integrals, extremes over patches or a plane; flows of mass, momentum, energy",
     FUNCTION_PARAMS(value_param),
+    .size = sizeof(struct surface_value),
     .keywords = value_keywords,
     .make = value_make,
     .execute = value_execute,
     .free = value_free,
+    .table = {"surfaceFieldValue.dat"},
+    .head = value_head,
+    .width = 14,
     .no_fields = true,
 };

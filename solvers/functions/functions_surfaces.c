@@ -123,10 +123,7 @@ static status read_one(struct function *f, struct surfaces *s, const char *name,
 
 static status surfaces_make(struct function *f, struct dict *d) {
     struct dict *all, *sub;
-    struct surfaces *s;
-    TRY(allocate(&s, 1, sizeof *s, "surfaces"));
-    f->own = s;
-    TRY(params_read(d, f->type->param, f->type->nparam, s));
+    struct surfaces *s = f->own;
     TRY(dict_sub(d, "surfaces", &all));
     const int n = dict_count(all);
     if (!n) return dict_fail(d, "surfaces", "it is empty");
@@ -253,13 +250,13 @@ static void surfaces_free(void *own) {
     vicinity_free(s->vicinity);
     free(s->values);
     free(s->level_values);
-    free(s);
 }
 
 const struct function_type function_surfaces = {
     .name = "surfaces",
     .about = "planes through the mesh and isosurfaces, VTK files of polygons",
     FUNCTION_PARAMS(surfaces_param),
+    .size = sizeof(struct surfaces),
     .keywords = surfaces_keywords,
     .make = surfaces_make,
     .execute = surfaces_execute,

@@ -24,10 +24,7 @@ static const struct param vtk_param[] = {
 };
 
 static status vtk_make(struct function *f, struct dict *d) {
-    struct vtk *v;
-    TRY(allocate(&v, 1, sizeof *v, "VTK files"));
-    f->own = v;
-    TRY(params_read(d, f->type->param, f->type->nparam, v));
+    struct vtk *v = f->own;
     if (v->pieces && v->ascii) return dict_fail(d, "writeFormat", "pieces are binary; leave the key out");
     if (!v->pieces || f->setup->grid->forest) return OK;
     return dict_fail(d, "pieces", "they are for lattices, and this run is on polyhedra; leave the key out");
@@ -101,13 +98,13 @@ static void vtk_free(void *own) {
     struct vtk *v = own;
     vtk_grid_free(v->grid);
     free(v->values);
-    free(v);
 }
 
 const struct function_type function_vtk = {
     .name = "vtk",
     .about = "legacy VTK files in VTK/, with a .vtk.series",
     FUNCTION_PARAMS(vtk_param),
+    .size = sizeof(struct vtk),
     .make = vtk_make,
     .execute = vtk_execute,
     .free = vtk_free,

@@ -19,9 +19,7 @@ enum { LANDING = 2 };
 static const double MOST = 0.05;
 
 static status open_table(struct limiter_table *l, const struct setup *s) {
-    char folder[TIME_NAME + 16];
-    snprintf(folder, sizeof folder, "limiter/%s", s->start.name);
-    TRY(case_table(s, folder, "limiter.dat", &l->file));
+    TRY(case_table(s, "limiter", s->start.name, "limiter.dat", &l->file));
     fprintf(l->file,
             "# Steps in which fluxes were limited, steps rejected and halved, or energies raised to the\n"
             "# round-off floor, by `energy`; (x y z) is a cell limited last.\n"
@@ -41,9 +39,7 @@ static status write_row(struct limiter_table *l, const struct setup *s, const st
     if (l->fills)
         fprintf(l->file, " %ld %.12g %.12g", n->filled - was->filled, n->fill[0] - was->fill[0],
                 n->fill[1] - was->fill[1]);
-    fprintf(l->file, "\n");
-    if (fflush(l->file)) return fail(ERR_SYSTEM, "postProcessing/limiter: cannot be written (disk full?)");
-    return OK;
+    return case_end_row("limiter", l->file);
 }
 
 status limiter_record(struct limiter_table *l, const struct setup *s, const struct gas *g, const struct moment *now) {

@@ -12,20 +12,18 @@ struct grains_totals grains_totals(const struct grains *g, const struct grain_bo
     return p;
 }
 
-static void print_row(FILE *f, const struct grain_box *b, const struct grains_totals *p) {
+static status write_row(FILE *f, const struct grain_box *b, const struct grains_totals *p) {
     fprintf(f, "%.17g %lld %lld %lld %lld %.17g %.17g %.17g %.17g", p->t, (long long)p->counts.pairs,
             (long long)p->counts.walls, (long long)p->counts.elastic, (long long)p->counts.events, p->T, p->kinetic,
             p->potential, p->counts.lost);
     for (int k = 0; k < b->dim; k++) fprintf(f, " %.17g", p->momentum[k]);
     for (int k = 0; k < b->dim; k++)
         if (!b->periodic[k]) fprintf(f, " %.17g %.17g", p->counts.wall_impulse[k][0], p->counts.wall_impulse[k][1]);
-    fprintf(f, "\n");
+    return case_end_row("grains", f);
 }
 
 static status open_table(struct grains_table *p, const struct setup *s, const struct grain_box *b) {
-    char folder[TIME_NAME + 16];
-    snprintf(folder, sizeof folder, "grains/%s", s->start.name);
-    TRY(case_table(s, folder, "grains.dat", &p->file));
+    TRY(case_table(s, "grains", s->start.name, "grains.dat", &p->file));
     fprintf(p->file, "# Counts, lost energy and the impulses given to walls (outwards) are sums since the run of the "
                      "grains began;\n# the rest is of the time, in the frame of the box.\n"
                      "# Time collisions wallCollisions elastic events T kinetic potential lost");
@@ -33,16 +31,13 @@ static status open_table(struct grains_table *p, const struct setup *s, const st
     for (int k = 0; k < b->dim; k++)
         if (!b->periodic[k]) fprintf(p->file, " impulse_%cLow impulse_%cHigh", "xyz"[s->axis[k]], "xyz"[s->axis[k]]);
     fprintf(p->file, "\n");
-    print_row(p->file, b, &p->start);
-    return OK;
+    return write_row(p->file, b, &p->start);
 }
 
 status grains_table_row(struct grains_table *p, const struct setup *s, const struct grain_box *box,
                         const struct grains_totals *now) {
     if (!p->file) TRY(open_table(p, s, box));
-    print_row(p->file, box, now);
-    if (fflush(p->file)) return fail(ERR_SYSTEM, "postProcessing/grains: cannot be written (disk full?)");
-    return OK;
+    return write_row(p->file, box, now);
 }
 
 void grains_table_close(struct grains_table *p) {

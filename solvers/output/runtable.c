@@ -3,9 +3,7 @@
 #include "solvers/output/runtable.h"
 
 static status open_table(FILE **file, const struct setup *s, const struct log_row *row) {
-    char folder[TIME_NAME + 16];
-    snprintf(folder, sizeof folder, "run/%s", s->start.name);
-    TRY(case_table(s, folder, "run.dat", file));
+    TRY(case_table(s, "run", s->start.name, "run.dat", file));
     fprintf(*file, "# Time\tstep\tdt\tlimiter\tCourant");
     for (int i = 0; i < row->n; i++) fprintf(*file, "\t%s", row->title[i]);
     fprintf(*file, "\tclockTime\tcpuTime\n");
@@ -24,6 +22,6 @@ status run_table_row(FILE **file, const struct setup *s, const struct run_moment
     print_word(f, now->limit);
     fprintf(f, "\t%.6g", now->courant);
     for (int i = 0; i < row->n; i++) fprintf(f, "\t%.15g", row->value[i]);
-    fprintf(f, "\t%.3f\t%.3f\n", now->clock, now->cpu);
-    return fflush(f) || ferror(f) ? fail(ERR_SYSTEM, "postProcessing/run: cannot be written (disk full?)") : OK;
+    fprintf(f, "\t%.3f\t%.3f", now->clock, now->cpu);
+    return case_end_row("run", f);
 }
