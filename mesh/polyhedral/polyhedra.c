@@ -25,7 +25,7 @@ static void add_ghost(struct work *w, int cell, int kind) {
 
 static status list_near(struct polyhedra *m, struct work *w) {
     const struct links *l = &w->links;
-    TRY(allocate(&w->ghost, l->mesh->ncells - m->nown, sizeof *w->ghost, "the ghosts"));
+    TRY(pool_take(&w->pool, &w->ghost, l->mesh->ncells - m->nown, sizeof *w->ghost, "the ghosts"));
     for (int k = 0; k < m->nown; k++)
         for (int c = w->mine[k], i = l->cell_start[c]; i < l->cell_start[c + 1]; i++) {
             int image, to = links_cross(l, l->cell_link[i], 0, &image);
@@ -101,10 +101,10 @@ static status number_cells(struct polyhedra *m, struct work *w) {
     int n = m->nown;
     if (w->nghosts) qsort(w->ghost, (size_t)w->nghosts, sizeof *w->ghost, by_place);
     m->ncells = m->nown + w->nghosts;
-    TRY(allocate(&m->cell, m->ncells, sizeof *m->cell, "the cells"));
-    TRY(allocate(&m->block_cell, m->nown, sizeof *m->block_cell, "the cells"));
-    TRY(allocate(&w->ghost_rank, w->nghosts, sizeof *w->ghost_rank, "the ghosts"));
-    TRY(allocate(&m->stencil_start, m->nnear + 1L, sizeof *m->stencil_start, "the stencils"));
+    TRY(pool_take(&m->pool, &m->cell, m->ncells, sizeof *m->cell, "the cells"));
+    TRY(pool_take(&m->pool, &m->block_cell, m->nown, sizeof *m->block_cell, "the cells"));
+    TRY(pool_take(&w->pool, &w->ghost_rank, w->nghosts, sizeof *w->ghost_rank, "the ghosts"));
+    TRY(pool_take(&m->pool, &m->stencil_start, m->nnear + 1L, sizeof *m->stencil_start, "the stencils"));
     TRY(number_mine(m, w));
     for (int k = 0; k < w->nghosts; k++) {
         m->cell[n++] = w->ghost[k].cell;
@@ -119,12 +119,12 @@ static status number_cells(struct polyhedra *m, struct work *w) {
 /* Starts anew to list ghosts. */
 static status begin_cells(struct polyhedra *m, struct work *w, int rings) {
     const int n = w->links.mesh->ncells;
-    TRY(allocate(&w->local, n, sizeof *w->local, "the cells"));
-    TRY(allocate(&w->members, n, sizeof *w->members, "the cells"));
-    TRY(allocate(&w->waits, n, sizeof *w->waits, "the cells"));
+    TRY(pool_take(&w->pool, &w->local, n, sizeof *w->local, "the cells"));
+    TRY(pool_take(&w->pool, &w->members, n, sizeof *w->members, "the cells"));
+    TRY(pool_take(&w->pool, &w->waits, n, sizeof *w->waits, "the cells"));
     for (int c = 0; c < n; c++) w->local[c] = NOWHERE;
     for (int k = 0; k < m->nown; k++) w->local[w->mine[k]] = MINE;
-    return grower_make(&w->links, rings, &w->grower);
+    return grower_make(&w->pool, &w->links, rings, &w->grower);
 }
 
 status work_cells(struct polyhedra *m, struct work *w, int rings) {
@@ -183,7 +183,7 @@ static status list_faces(struct polyhedra *m, struct work *w) {
     const struct links *l = &w->links;
     long room = 0;
     for (int i = 0; i < m->nown; i++) room += l->cell_start[m->cell[i] + 1] - l->cell_start[m->cell[i]];
-    TRY(allocate(&w->link_of, room, sizeof *w->link_of, "the faces"));
+    TRY(pool_take(&w->pool, &w->link_of, room, sizeof *w->link_of, "the faces"));
     for (int i = 0; i < m->ninner; i++) list_inside(m, w, i, true);
     m->face.nlocal = m->face.n;
     for (int i = 0; i < m->nown; i++) list_inside(m, w, i, false);
@@ -196,14 +196,14 @@ static status list_mirrors(struct polyhedra *m, struct work *w) {
     struct polyhedra_mirrors *mirror = &m->mirror;
     long room = m->face.n - m->face.ninternal;
     for (int i = m->nown; i < m->nnear; i++) room += l->cell_start[m->cell[i] + 1] - l->cell_start[m->cell[i]];
-    TRY(allocate(&w->mirror_link, room, sizeof *w->mirror_link, "the mirrors"));
+    TRY(pool_take(&w->pool, &w->mirror_link, room, sizeof *w->mirror_link, "the mirrors"));
     for (int i = m->face.ninternal; i < m->face.n; i++) w->mirror_link[mirror->n++] = w->link_of[i];
     for (int i = m->nown; i < m->nnear; i++)
         for (int c = m->cell[i], k = l->cell_start[c]; k < l->cell_start[c + 1]; k++)
             if (l->cell_link[k] >= 0 && l->patch[l->cell_link[k]] >= 0) w->mirror_link[mirror->n++] = l->cell_link[k];
-    TRY(allocate(&mirror->cell, mirror->n, sizeof *mirror->cell, "the mirrors"));
-    TRY(allocate(&mirror->patch, mirror->n, sizeof *mirror->patch, "the mirrors"));
-    TRY(allocate(&mirror->place, mirror->n, sizeof *mirror->place, "the mirrors"));
+    TRY(pool_take(&m->pool, &mirror->cell, mirror->n, sizeof *mirror->cell, "the mirrors"));
+    TRY(pool_take(&m->pool, &mirror->patch, mirror->n, sizeof *mirror->patch, "the mirrors"));
+    TRY(pool_take(&m->pool, &mirror->place, mirror->n, sizeof *mirror->place, "the mirrors"));
     for (int i = 0; i < mirror->n; i++) {
         int link = w->mirror_link[i];
         mirror->cell[i] = w->local[l->left[link]];
@@ -219,18 +219,19 @@ static status list_mirrors(struct polyhedra *m, struct work *w) {
 
 static status join_cells(struct polyhedra *m, struct work *w) {
     const struct links *l = &w->links;
-    TRY(allocate(&m->face.left, m->face.n, sizeof *m->face.left, "the faces"));
-    TRY(allocate(&m->face.right, m->face.n, sizeof *m->face.right, "the faces"));
+    TRY(pool_take(&m->pool, &m->face.left, m->face.n, sizeof *m->face.left, "the faces"));
+    TRY(pool_take(&m->pool, &m->face.right, m->face.n, sizeof *m->face.right, "the faces"));
     for (int i = 0; i < m->face.n; i++) {
         int link = w->link_of[i], right = l->right[link];
         w->face_of[link] = i;
         m->face.left[i] = w->local[l->left[link]];
         m->face.right[i] = right >= 0 ? w->local[right] : m->ncells + w->mirror_of[link];
     }
-    TRY(allocate(&m->face_start, m->nown + 1L, sizeof *m->face_start, "the faces of the cells"));
+    TRY(pool_take(&m->pool, &m->face_start, m->nown + 1L, sizeof *m->face_start, "the faces of the cells"));
     for (int i = 0; i < m->nown; i++)
         m->face_start[i + 1] = m->face_start[i] + l->cell_start[m->cell[i] + 1] - l->cell_start[m->cell[i]];
-    TRY(allocate(&m->face_of_cell, m->face_start[m->nown], sizeof *m->face_of_cell, "the faces of the cells"));
+    TRY(pool_take(&m->pool, &m->face_of_cell, m->face_start[m->nown], sizeof *m->face_of_cell,
+                  "the faces of the cells"));
     for (int i = 0; i < m->nown; i++)
         for (int k = m->face_start[i]; k < m->face_start[i + 1]; k++) {
             int code = l->cell_link[l->cell_start[m->cell[i]] + k - m->face_start[i]];
@@ -240,8 +241,8 @@ static status join_cells(struct polyhedra *m, struct work *w) {
 }
 
 static status make_faces(struct polyhedra *m, struct work *w) {
-    TRY(allocate(&w->face_of, w->links.n, sizeof *w->face_of, "the faces"));
-    TRY(allocate(&w->mirror_of, w->links.n, sizeof *w->mirror_of, "the mirrors"));
+    TRY(pool_take(&w->pool, &w->face_of, w->links.n, sizeof *w->face_of, "the faces"));
+    TRY(pool_take(&w->pool, &w->mirror_of, w->links.n, sizeof *w->mirror_of, "the mirrors"));
     TRY(list_faces(m, w));
     TRY(list_mirrors(m, w));
     return join_cells(m, w);
@@ -250,12 +251,9 @@ static status make_faces(struct polyhedra *m, struct work *w) {
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 static void work_free(struct work *w) {
-    links_free(&w->links);
+    pool_free(&w->pool);
     cut_cells_free(&w->cut);
-    grower_free(&w->grower);
-    void *const all[] = {w->mine,       w->block_of, w->local,     w->members, w->waits,      w->ghost,
-                         w->ghost_rank, w->face_of,  w->mirror_of, w->link_of, w->mirror_link};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    free(w->mine);
 }
 
 status work_local(struct polyhedra *m, struct work *w, int rings) {
@@ -271,8 +269,8 @@ status work_local(struct polyhedra *m, struct work *w, int rings) {
 static status list_blocks(struct polyhedra *m, struct work *w, long n, const int (*block)[2]) {
     m->nblocks_all = w->cut.nblocks;
     m->nown = (int)n;
-    TRY(allocate(&m->block_id, n, sizeof *m->block_id, "the blocks"));
-    TRY(allocate(&m->block_start, n + 1, sizeof *m->block_start, "the blocks"));
+    TRY(pool_take(&m->pool, &m->block_id, n, sizeof *m->block_id, "the blocks"));
+    TRY(pool_take(&m->pool, &m->block_start, n + 1, sizeof *m->block_start, "the blocks"));
     TRY(allocate(&w->mine, n, sizeof *w->mine, "the cells"));
     for (long i = 0; i < n; i++) {
         if (i == 0 || block[i][0] != block[i - 1][0]) m->block_id[m->nblocks++] = block[i][0];
@@ -318,7 +316,7 @@ static status take_mine(struct polyhedra *m, struct work *w) {
     const int n = w->links.mesh->ncells, me = comm_rank(m->comm);
     int(*block)[2];
     long mine = 0;
-    TRY(allocate(&w->block_of, n, sizeof *w->block_of, "the blocks"));
+    TRY(pool_take(&w->pool, &w->block_of, n, sizeof *w->block_of, "the blocks"));
     TRY(allocate(&block, n, sizeof *block, "the blocks"));
     memcpy(w->block_of, w->cut.block, (size_t)n * sizeof *w->block_of);
     for (int c = 0; c < n; c++) {
@@ -333,7 +331,7 @@ static status take_mine(struct polyhedra *m, struct work *w) {
 
 static status make_whole(struct polyhedra *m, const struct polymesh *mesh, struct work *w, int rings) {
     struct comm *alone = NULL;
-    status s = links_make(mesh, NULL, &w->links);
+    status s = links_make(&w->pool, mesh, NULL, &w->links);
     if (!s && (rings < 1 || rings > 2)) s = fail(ERR_INPUT, "stencils of %d rings; 1 or 2 are allowed", rings);
     if (!s) s = comm_alone(&alone);
     s = comm_agree(m->comm, s);
@@ -353,7 +351,7 @@ static status make(const struct polymesh *mesh, const struct comm *c, int rings,
     struct polyhedra *m = NULL;
     *out = NULL;
     status s = allocate(&m, 1, sizeof *m, "the polyhedra");
-    if (!s) s = allocate(&m->hidden, 1, sizeof *m->hidden, "the polyhedra");
+    if (!s) s = pool_take(&m->pool, &m->hidden, 1, sizeof *m->hidden, "the polyhedra");
     s = comm_agree(c, s);
     if (!s) {
         m->comm = c;
@@ -389,51 +387,11 @@ void polyhedra_place(const struct polyhedra *m, long cell, double place[3]) {
     comm_min(m->comm, place, 3);
 }
 
-static void faces_free(struct polyhedra_faces *f) {
-    free(f->left);
-    free(f->right);
-    free(f->area);
-    free(f->point_start);
-    lines_free(f->normal, 3);
-    lines_free(f->tangent[0], 3);
-    lines_free(f->tangent[1], 3);
-    lines_free(f->shift, 3);
-}
-
-static void mirrors_free(struct polyhedra_mirrors *m) {
-    free(m->cell);
-    free(m->patch);
-    free(m->place);
-    lines_free(m->normal, 3);
-    lines_free(m->tangent[0], 3);
-    lines_free(m->tangent[1], 3);
-}
-
-static void points_free(struct polyhedra_points *p) {
-    free(p->face);
-    free(p->weight);
-    lines_free(p->arm[0], 3);
-    lines_free(p->arm[1], 3);
-}
-
 void polyhedra_free(struct polyhedra *m) {
     if (!m) return;
     if (m->hidden) halo_free(m->hidden);
-    free(m->hidden);
-    faces_free(&m->face);
-    mirrors_free(&m->mirror);
-    points_free(&m->point);
-    free(m->rim.start);
-    lines_free(m->rim.arm, 3);
-    int *const list[] = {m->cell,          m->face_start, m->face_of_cell, m->stencil_start,
-                         m->stencil,       m->ring,       m->corner_start, m->corner_first,
-                         m->corner_member, m->block_id,   m->block_start,  m->block_cell};
-    for (int i = 0; i < (int)(sizeof list / sizeof *list); i++) free(list[i]);
-    free(m->middle);
-    free(m->extent);
-    free(m->volume);
-    lines_free(m->centre, 3);
-    lines_free(m->moment, POLYHEDRA_MOMENTS);
-    lines_free(m->offset, 3);
+    free(m->corner_first);
+    free(m->corner_member);
+    pool_free(&m->pool);
     free(m);
 }

@@ -14,6 +14,7 @@
 #define MESH_POLYHEDRA_H
 
 #include "mesh/base/comm.h"
+#include "mesh/base/pool.h"
 #include "mesh/format/polymesh.h"
 
 enum {
@@ -96,6 +97,7 @@ struct polyhedra {
     int *block_cell;  /* [nown] my cells, block by block */
 
     const struct comm *comm;
+    struct pool pool;                 /* has all lists but those of the corners */
     struct polyhedra_private *hidden; /* the plan of the ghost exchange */
 };
 

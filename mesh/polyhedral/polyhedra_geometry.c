@@ -7,13 +7,9 @@
 
 #include "mesh/polyhedral/polyhedra_private.h"
 
-status lines_make(double **line, int count, long n, const char *what) {
-    for (int k = 0; k < count; k++) TRY(allocate(&line[k], n, sizeof *line[k], what));
+status lines_make(struct polyhedra *m, double **line, int count, long n, const char *what) {
+    for (int k = 0; k < count; k++) TRY(pool_take(&m->pool, &line[k], n, sizeof *line[k], what));
     return OK;
-}
-
-void lines_free(double **line, int count) {
-    for (int k = 0; k < count; k++) free(line[k]);
 }
 
 static const double *point_of(const struct links *l, int p) {
@@ -122,9 +118,9 @@ static void measure_cell(const struct links *l, int c, struct shape *s) {
 
 static status make_cells(struct polyhedra *m, const struct links *l) {
     const int nmoments = m->dim * (m->dim + 1) / 2;
-    TRY(allocate(&m->volume, m->size, sizeof *m->volume, "the cells"));
-    TRY(lines_make(m->centre, m->dim, m->size, "the cells"));
-    TRY(lines_make(m->moment, nmoments, m->size, "the cells"));
+    TRY(pool_take(&m->pool, &m->volume, m->size, sizeof *m->volume, "the cells"));
+    TRY(lines_make(m, m->centre, m->dim, m->size, "the cells"));
+    TRY(lines_make(m, m->moment, nmoments, m->size, "the cells"));
     for (int i = 0; i < m->ncells; i++) {
         struct shape s;
         measure_cell(l, m->cell[i], &s);
@@ -185,10 +181,10 @@ static void measure_face(const struct links *l, int face, struct frame *f) {
 
 static status make_faces(struct polyhedra *m, const struct links *l, const int *link_of) {
     struct polyhedra_faces *face = &m->face;
-    TRY(allocate(&face->area, face->n, sizeof *face->area, "the faces"));
-    TRY(lines_make(face->normal, m->dim, face->n, "the faces"));
-    TRY(lines_make(face->shift, m->dim, face->n, "the faces"));
-    for (int t = 0; t < m->dim - 1; t++) TRY(lines_make(face->tangent[t], m->dim, face->n, "the faces"));
+    TRY(pool_take(&m->pool, &face->area, face->n, sizeof *face->area, "the faces"));
+    TRY(lines_make(m, face->normal, m->dim, face->n, "the faces"));
+    TRY(lines_make(m, face->shift, m->dim, face->n, "the faces"));
+    for (int t = 0; t < m->dim - 1; t++) TRY(lines_make(m, face->tangent[t], m->dim, face->n, "the faces"));
     for (int i = 0; i < face->n; i++) {
         struct frame f;
         int image;
@@ -231,8 +227,8 @@ static void reflect(struct polyhedra *m, int from, int to, const struct frame *f
 
 static status make_mirrors(struct polyhedra *m, const struct links *l, const int *mirror_link) {
     struct polyhedra_mirrors *mirror = &m->mirror;
-    TRY(lines_make(mirror->normal, m->dim, mirror->n, "the mirrors"));
-    for (int t = 0; t < m->dim - 1; t++) TRY(lines_make(mirror->tangent[t], m->dim, mirror->n, "the mirrors"));
+    TRY(lines_make(m, mirror->normal, m->dim, mirror->n, "the mirrors"));
+    for (int t = 0; t < m->dim - 1; t++) TRY(lines_make(m, mirror->tangent[t], m->dim, mirror->n, "the mirrors"));
     for (int i = 0; i < mirror->n; i++) {
         struct frame f;
         measure_face(l, l->face[mirror_link[i]], &f);
@@ -340,16 +336,17 @@ static void store_points(struct polyhedra *m, int face, const struct rule *r) {
 static status make_points(struct polyhedra *m, const struct links *l, const int *link_of, int order) {
     struct polyhedra_points *p = &m->point;
     struct rule r = {0};
-    TRY(allocate(&m->face.point_start, m->face.n + 1L, sizeof *m->face.point_start, "the points of the faces"));
+    TRY(pool_take(&m->pool, &m->face.point_start, m->face.n + 1L, sizeof *m->face.point_start,
+                  "the points of the faces"));
     for (int i = 0; i < m->face.n; i++) {
         int n = count_points(l, l->face[link_of[i]], order);
         m->face.point_start[i + 1] = m->face.point_start[i] + n;
         if (n > r.room) r.room = n;
     }
     p->n = m->face.point_start[m->face.n];
-    TRY(allocate(&p->face, p->n, sizeof *p->face, "the points of the faces"));
-    TRY(allocate(&p->weight, p->n, sizeof *p->weight, "the points of the faces"));
-    for (int side = 0; side < 2; side++) TRY(lines_make(p->arm[side], m->dim, p->n, "the points of the faces"));
+    TRY(pool_take(&m->pool, &p->face, p->n, sizeof *p->face, "the points of the faces"));
+    TRY(pool_take(&m->pool, &p->weight, p->n, sizeof *p->weight, "the points of the faces"));
+    for (int side = 0; side < 2; side++) TRY(lines_make(m, p->arm[side], m->dim, p->n, "the points of the faces"));
     TRY(allocate(&r.weight, 4L * r.room, sizeof *r.weight, "the points of a face"));
     r.x = (double(*)[3])(r.weight + r.room);
     for (int i = 0; i < m->face.n; i++) {
@@ -380,9 +377,9 @@ static void walk_rims(struct polyhedra *m, const struct links *l, const int *loc
 static status make_rims(struct polyhedra *m, const struct links *l, const int *local, int order) {
     struct rule r = {0};
     const int near = m->nnear - m->nown;
-    TRY(allocate(&m->rim.start, near + 1L, sizeof *m->rim.start, "the points of ghosts"));
+    TRY(pool_take(&m->pool, &m->rim.start, near + 1L, sizeof *m->rim.start, "the points of ghosts"));
     walk_rims(m, l, local, order, NULL);
-    TRY(lines_make(m->rim.arm, m->dim, m->rim.start[near], "the points of ghosts"));
+    TRY(lines_make(m, m->rim.arm, m->dim, m->rim.start[near], "the points of ghosts"));
     for (int i = 0; i < near; i++) {
         const int n = m->rim.start[i + 1] - m->rim.start[i];
         r.room = n > r.room ? n : r.room;
@@ -397,8 +394,8 @@ static status make_rims(struct polyhedra *m, const struct links *l, const int *l
 /* Keeps centres and volumes of my cells as OpenFOAM's tools compute them. */
 static status make_places(struct polyhedra *m, const struct links *l) {
     double *centre = NULL, *volume = NULL;
-    TRY(allocate(&m->middle, m->nown, sizeof *m->middle, "the cells"));
-    TRY(allocate(&m->extent, m->nown, sizeof *m->extent, "the cells"));
+    TRY(pool_take(&m->pool, &m->middle, m->nown, sizeof *m->middle, "the cells"));
+    TRY(pool_take(&m->pool, &m->extent, m->nown, sizeof *m->extent, "the cells"));
     status e = allocate(&centre, 3L * l->mesh->ncells, sizeof *centre, "the cells");
     if (!e) e = allocate(&volume, l->mesh->ncells, sizeof *volume, "the cells");
     if (!e) e = polymesh_cell_geometry(l->mesh, l->face_centre, l->face_area, centre, volume);

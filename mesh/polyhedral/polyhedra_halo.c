@@ -38,7 +38,7 @@ static status ask(struct polyhedra *m, const int *rank, int *count, int *arrivin
     int *wanted = NULL, *next = NULL;
     status s = allocate(&wanted, nghosts, sizeof *wanted, "the exchange of ghosts");
     if (!s) s = allocate(&next, ranks + 1L, sizeof *next, "the exchange of ghosts");
-    if (!s) s = allocate(&h->receive, nghosts, sizeof *h->receive, "the exchange of ghosts");
+    if (!s) s = pool_take(&m->pool, &h->receive, nghosts, sizeof *h->receive, "the exchange of ghosts");
     for (int i = 0; !s && i < nghosts; i++) count[rank[i]]++;
     for (int r = 0; !s && r < ranks; r++) next[r + 1] = next[r] + count[r];
     for (int i = 0; !s && i < nghosts; i++) {
@@ -57,9 +57,9 @@ static status plan(struct polyhedra *m, const int *count, const int *arriving) {
     struct polyhedra_private *h = m->hidden;
     const int ranks = comm_size(m->comm);
     int sent = 0, received = 0;
-    TRY(allocate(&h->link, ranks, sizeof *h->link, "the exchange of ghosts"));
-    TRY(allocate(&h->send_start, ranks + 1L, sizeof *h->send_start, "the exchange of ghosts"));
-    TRY(allocate(&h->receive_start, ranks + 1L, sizeof *h->receive_start, "the exchange of ghosts"));
+    TRY(pool_take(&m->pool, &h->link, ranks, sizeof *h->link, "the exchange of ghosts"));
+    TRY(pool_take(&m->pool, &h->send_start, ranks + 1L, sizeof *h->send_start, "the exchange of ghosts"));
+    TRY(pool_take(&m->pool, &h->receive_start, ranks + 1L, sizeof *h->receive_start, "the exchange of ghosts"));
     for (int r = 0; r < ranks; r++) {
         if (arriving[r] == 0 && count[r] == 0) continue;
         h->link[h->nlinks++] = (struct comm_link){.rank = r, .n = arriving[r] > count[r] ? arriving[r] : count[r]};
@@ -73,8 +73,8 @@ static status make_buffers(struct polyhedra *m) {
     struct polyhedra_private *h = m->hidden;
     for (int i = 0; i < h->nlinks; i++) {
         long n = h->link[i].n * POLYHEDRA_VARIABLES;
-        TRY(allocate(&h->link[i].out, n, sizeof *h->link[i].out, "the exchange of ghosts"));
-        TRY(allocate(&h->link[i].in, n, sizeof *h->link[i].in, "the exchange of ghosts"));
+        TRY(pool_take(&m->pool, &h->link[i].out, n, sizeof *h->link[i].out, "the exchange of ghosts"));
+        TRY(pool_take(&m->pool, &h->link[i].in, n, sizeof *h->link[i].in, "the exchange of ghosts"));
     }
     return comm_exchange_make(m->comm, h->nlinks, h->link, &h->exchange);
 }
@@ -95,15 +95,7 @@ status halo_make(struct polyhedra *m, const int *rank) {
 
 void halo_free(struct polyhedra_private *h) {
     comm_exchange_free(h->exchange);
-    for (int i = 0; i < h->nlinks; i++) {
-        free(h->link[i].out);
-        free(h->link[i].in);
-    }
-    free(h->link);
-    free(h->send_start);
     free(h->send);
-    free(h->receive_start);
-    free(h->receive);
 }
 
 void polyhedra_fill_start(struct polyhedra *m, int nvar, double *const *data) {

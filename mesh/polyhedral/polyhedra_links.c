@@ -131,14 +131,14 @@ static void list_links(struct links *l, const int *twin) {
 
 static status list_cells(struct links *l) {
     const int ncells = l->mesh->ncells;
-    TRY(allocate(&l->cell_start, ncells + 2L, sizeof *l->cell_start, "the links of the cells"));
+    TRY(pool_take(l->pool, &l->cell_start, ncells + 2L, sizeof *l->cell_start, "the links of the cells"));
     int *start = l->cell_start + 1; /* start[c]: place of the next link of cell c while cell_link fills */
     for (int i = 0; i < l->n; i++) {
         start[l->left[i] + 1]++;
         if (l->right[i] >= 0) start[l->right[i] + 1]++;
     }
     for (int c = 0; c < ncells; c++) start[c + 1] += start[c];
-    TRY(allocate(&l->cell_link, start[ncells], sizeof *l->cell_link, "the links of the cells"));
+    TRY(pool_take(l->pool, &l->cell_link, start[ncells], sizeof *l->cell_link, "the links of the cells"));
     for (int i = 0; i < l->n; i++) {
         l->cell_link[start[l->left[i]]++] = i;
         if (l->right[i] >= 0) l->cell_link[start[l->right[i]]++] = ~i;
@@ -218,7 +218,7 @@ static int find_translation(struct links *l, const double shift[3]) {
 static status find_steps(struct links *l) {
     const struct polymesh *m = l->mesh, *all = l->all;
     int *step;
-    TRY(allocate(&l->translation, m->npatches, sizeof *l->translation, "the cyclic patches"));
+    TRY(pool_take(l->pool, &l->translation, m->npatches, sizeof *l->translation, "the cyclic patches"));
     TRY(allocate(&step, m->npatches, sizeof *step, "the cyclic patches"));
     for (int i = 0; i < m->npatches; i++) {
         step[i] = -1;
@@ -252,8 +252,9 @@ static int find_image(struct links *l, const double shift[3]) {
 
 /* Finds the images ring by ring of crossings, so that the shift of an image has the same bits on every rank. */
 static status find_images(struct links *l) {
-    TRY(allocate(&l->image, MOST_IMAGES, sizeof *l->image, "the images of a periodic domain"));
-    TRY(allocate(&l->next, 2L * MOST_IMAGES * l->ntranslations, sizeof *l->next, "the images of a periodic domain"));
+    TRY(pool_take(l->pool, &l->image, MOST_IMAGES, sizeof *l->image, "the images of a periodic domain"));
+    TRY(pool_take(l->pool, &l->next, 2L * MOST_IMAGES * l->ntranslations, sizeof *l->next,
+                  "the images of a periodic domain"));
     l->nimages = 1;
     int from = 0;
     for (int ring = 0; ring < MOST_RINGS; ring++)
@@ -272,8 +273,8 @@ static status find_images(struct links *l) {
 
 static status measure_faces(struct links *l) {
     const struct polymesh *m = l->mesh;
-    TRY(allocate(&l->face_centre, 3L * m->nfaces, sizeof *l->face_centre, "the faces"));
-    TRY(allocate(&l->face_area, 3L * m->nfaces, sizeof *l->face_area, "the faces"));
+    TRY(pool_take(l->pool, &l->face_centre, 3L * m->nfaces, sizeof *l->face_centre, "the faces"));
+    TRY(pool_take(l->pool, &l->face_area, 3L * m->nfaces, sizeof *l->face_area, "the faces"));
     polymesh_face_geometry(m, l->face_centre, l->face_area);
     find_axes(l);
     if (l->dim == 0)
@@ -281,14 +282,14 @@ static status measure_faces(struct links *l) {
     return measure_thickness(l);
 }
 
-status links_make(const struct polymesh *all, const struct mesh_part *part, struct links *l) {
+status links_make(struct pool *pool, const struct polymesh *all, const struct mesh_part *part, struct links *l) {
     int *twin;
     const struct polymesh *m = part ? &part->mesh : all;
-    *l = (struct links){.all = all, .mesh = m, .part = part};
+    *l = (struct links){.pool = pool, .all = all, .mesh = m, .part = part};
     TRY(measure_faces(l));
     int **const list[] = {&l->face, &l->twin, &l->left, &l->right, &l->patch, &l->step};
     for (int i = 0; i < (int)(sizeof list / sizeof *list); i++)
-        TRY(allocate(list[i], m->nfaces, sizeof **list[i], "the links of the cells"));
+        TRY(pool_take(pool, list[i], m->nfaces, sizeof **list[i], "the links of the cells"));
     TRY(allocate(&twin, m->nfaces - m->ninternal, sizeof *twin, "the cyclic faces"));
     status s = pair_faces(m, twin);
     if (!s) list_links(l, twin);
@@ -302,20 +303,4 @@ status links_make(const struct polymesh *all, const struct mesh_part *part, stru
             return fail(ERR_INPUT, "constant/polyMesh: face %d has cell %d on both sides",
                         links_face_name(l, l->face[i]), links_cell_name(l, l->left[i]));
     return find_images(l);
-}
-
-void links_free(struct links *l) {
-    free(l->face_centre);
-    free(l->face_area);
-    free(l->face);
-    free(l->twin);
-    free(l->left);
-    free(l->right);
-    free(l->patch);
-    free(l->step);
-    free(l->cell_start);
-    free(l->cell_link);
-    free(l->translation);
-    free(l->image);
-    free(l->next);
 }

@@ -9,7 +9,8 @@
 struct ghost {
     int kind, rank, cell; /* kind is NEAR or FAR; `rank` has the cell of the links */
 };
-struct work { /* scratch while a struct polyhedra is made; lists are by cell of the links, or by link */
+struct work {         /* scratch while a struct polyhedra is made; lists are by cell of the links, or by link */
+    struct pool pool; /* has all but `cut` and `mine` */
     struct links links;
     const struct spread *spread; /* of a mesh that is spread over the ranks; else NULL */
     struct mesh_part *part;      /* my cells, those around them, and those of their stencils; NULL: the whole mesh */

@@ -17,6 +17,7 @@ enum {
  * patch); the two faces of a cyclic pair are one link. Vectors are in computational axes but for face_centre and
  * face_area. */
 struct links {
+    struct pool *pool;
     const struct polymesh *all;   /* the whole mesh: its counts and patches */
     const struct polymesh *mesh;  /* the arrays: of all, or of the part */
     const struct mesh_part *part; /* NULL: this rank has the whole mesh */
@@ -38,8 +39,7 @@ struct links {
     double (*image)[3];       /* [nimages] shift; image 0 is none */
     int *next;                /* [nimages][2 ntranslations] image after a step, -1: too far */
 };
-status links_make(const struct polymesh *all, const struct mesh_part *part, struct links *l);
-void links_free(struct links *l);
+status links_make(struct pool *pool, const struct polymesh *all, const struct mesh_part *part, struct links *l);
 /* Numbers in the whole mesh. */
 int links_cell_name(const struct links *l, int cell);
 int links_face_name(const struct links *l, int face);
@@ -95,6 +95,7 @@ struct member { /* a member of a stencil */
 };
 /* A stencil that grows ring by ring. */
 struct grower {
+    struct pool *pool;
     const struct links *l;
     int rings, wanted;
     int *seen; /* [ncells] stamp of the last stencil that had the cell as a member */
@@ -102,8 +103,7 @@ struct grower {
     int n, room; /* member[0] is the cell itself */
     struct member *member;
 };
-status grower_make(const struct links *l, int rings, struct grower *g);
-void grower_free(struct grower *g);
+status grower_make(struct pool *pool, const struct links *l, int rings, struct grower *g);
 status grower_run(struct grower *g, int cell);
 
 /* Fills stencils and corners. mirror_of[links] is the mirror at a link, or -1. */
@@ -114,7 +114,7 @@ status stencil_make(struct polyhedra *m, struct grower *g, const int *local, con
 status geometry_make(struct polyhedra *m, const struct links *l, const int *local, const int *link_of,
                      const int *mirror_link, int order);
 
-status lines_make(double **line, int count, long n, const char *what);
-void lines_free(double **line, int count);
+/* Takes `count` lines[n] of m's pool. */
+status lines_make(struct polyhedra *m, double **line, int count, long n, const char *what);
 
 #endif

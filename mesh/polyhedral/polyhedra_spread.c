@@ -97,9 +97,9 @@ static status join_part(struct polyhedra *m, struct work *w, const struct polyme
     const long n = cut->cells.end - cut->cells.first;
     part_free(w->part);
     TRY(spread_part(w->spread, all, k->n, k->cell, w->part));
-    status s = links_make(all, w->part, &w->links);
+    status s = links_make(&w->pool, all, w->part, &w->links);
     const int ncells = w->part->mesh.ncells;
-    if (!s) s = allocate(&w->block_of, ncells, sizeof *w->block_of, "the blocks");
+    if (!s) s = pool_take(&w->pool, &w->block_of, ncells, sizeof *w->block_of, "the blocks");
     if (!s) s = allocate(&block, ncells, sizeof *block, "the blocks");
     if (!s) s = allocate(&mine, n, sizeof *mine, "the blocks");
     s = comm_agree(m->comm, s);
@@ -128,14 +128,7 @@ static status know_members(const struct work *w, struct known *k, bool *lacks) {
 /* Frees what was made of too few cells. */
 static void start_again(struct polyhedra *m, struct work *w) {
     for (int i = 0; i < m->nown; i++) w->mine[i] = links_cell_name(&w->links, w->mine[i]);
-    links_free(&w->links);
-    grower_free(&w->grower);
-    void **const all[] = {(void **)&w->block_of, (void **)&w->local, (void **)&w->members, (void **)&w->waits,
-                          (void **)&w->ghost};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        free(*all[i]);
-        *all[i] = NULL;
-    }
+    pool_free(&w->pool);
     w->nghosts = 0;
 }
 

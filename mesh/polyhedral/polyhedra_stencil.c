@@ -2,22 +2,18 @@
 /* Grows the stencils of a polyhedral mesh: rings of cells across faces, with their images in a periodic domain; finds
  * the corners of cells, members that share a vertex. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "mesh/polyhedral/polyhedra_private.h"
 
 /* ---- growth ------------------------------------------------------------------------------------------------------ */
 
-status grower_make(const struct links *l, int rings, struct grower *g) {
+status grower_make(struct pool *pool, const struct links *l, int rings, struct grower *g) {
     int coefficients = rings == 1 ? l->dim : l->dim * (l->dim + 3) / 2;
     int wanted = rings == 1 ? 2 * coefficients : (3 * coefficients + 1) / 2;
-    *g = (struct grower){.l = l, .rings = rings, .wanted = wanted, .room = 64};
-    TRY(allocate(&g->seen, l->mesh->ncells, sizeof *g->seen, "the stencils"));
-    return allocate(&g->member, g->room, sizeof *g->member, "the stencils");
-}
-
-void grower_free(struct grower *g) {
-    free(g->seen);
-    free(g->member);
+    *g = (struct grower){.pool = pool, .l = l, .rings = rings, .wanted = wanted, .room = 64};
+    TRY(pool_take(pool, &g->seen, l->mesh->ncells, sizeof *g->seen, "the stencils"));
+    return pool_take(pool, &g->member, g->room, sizeof *g->member, "the stencils");
 }
 
 static bool has_member(const struct grower *g, int cell, int image) {
@@ -29,9 +25,9 @@ static bool has_member(const struct grower *g, int cell, int image) {
 
 static status add_member(struct grower *g, int cell, int image, int ring) {
     if (g->n == g->room) {
-        struct member *more = realloc(g->member, 2 * (size_t)g->room * sizeof *more);
-        if (!more) return fail(ERR_SYSTEM, "no memory for a stencil of %d cells", 2 * g->room);
-        g->member = more;
+        const struct member *few = g->member;
+        TRY(pool_take(g->pool, &g->member, 2L * g->room, sizeof *g->member, "the stencils"));
+        memcpy(g->member, few, (size_t)g->n * sizeof *few);
         g->room *= 2;
     }
     if (cell >= 0) g->seen[cell] = g->stamp;
@@ -206,10 +202,10 @@ static status fill_all(struct polyhedra *m, struct grower *g, const int *local, 
 
 status stencil_make(struct polyhedra *m, struct grower *g, const int *local, const int *mirror_of) {
     long n = m->stencil_start[m->nnear];
-    TRY(allocate(&m->stencil, n, sizeof *m->stencil, "the stencils"));
-    TRY(allocate(&m->ring, n, sizeof *m->ring, "the stencils"));
-    TRY(lines_make(m->offset, m->dim, n, "the stencils"));
-    TRY(allocate(&m->corner_start, m->nnear + 1L, sizeof *m->corner_start, "the corners"));
+    TRY(pool_take(&m->pool, &m->stencil, n, sizeof *m->stencil, "the stencils"));
+    TRY(pool_take(&m->pool, &m->ring, n, sizeof *m->ring, "the stencils"));
+    TRY(lines_make(m, m->offset, m->dim, n, "the stencils"));
+    TRY(pool_take(&m->pool, &m->corner_start, m->nnear + 1L, sizeof *m->corner_start, "the corners"));
     struct corners *k;
     TRY(allocate(&k, 1, sizeof *k, "the corners"));
     status s = fill_all(m, g, local, mirror_of, k);
