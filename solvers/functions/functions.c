@@ -8,6 +8,7 @@
 #include <string.h>
 
 struct functions {
+    struct pool pool;
     int n;
     struct function *all;
 };
@@ -182,12 +183,12 @@ static status make_one(struct function *f, struct dict *d) {
     TRY(trigger_read(d, &standard, true, &f->trigger));
     TRY(check_late(f, d));
     if (!f->type->no_fields) TRY(read_fields(f, d));
-    if (f->type->size) TRY(allocate(&f->own, 1, f->type->size, f->type->name));
+    if (f->type->size) TRY(pool_take(f->pool, &f->own, 1, f->type->size, f->type->name));
     if (f->type->nparam) TRY(params_read(d, f->type->param, f->type->nparam, f->own));
     if (f->type->make) TRY(f->type->make(f, d));
     for (int b = 0; b < f->setup->grid->nblocks; b++)
         if (f->setup->grid->block[b].ncells > largest) largest = f->setup->grid->block[b].ncells;
-    return allocate(&f->block_values, 3 * largest, sizeof(double), "a block's field");
+    return pool_take(f->pool, &f->block_values, 3 * largest, sizeof(double), "a block's field");
 }
 
 status function_name(struct dict *d, const char *name) {
@@ -203,7 +204,8 @@ status functions_make(const struct setup *s, struct functions **out) {
     struct dict *all = s->control->functions, *one;
     *out = NULL;
     TRY(allocate(&f, 1, sizeof *f, "function objects"));
-    status e = all && dict_count(all) ? allocate(&f->all, dict_count(all), sizeof *f->all, "function objects") : OK;
+    status e =
+        all && dict_count(all) ? pool_take(&f->pool, &f->all, dict_count(all), sizeof *f->all, "function objects") : OK;
     for (int i = 0; !e && all && i < dict_count(all); i++) {
         struct function *g = &f->all[f->n];
         const char *name = dict_key(all, i);
@@ -215,6 +217,7 @@ status functions_make(const struct setup *s, struct functions **out) {
             continue;
         }
         g->setup = s;
+        g->pool = &f->pool;
         g->last = -HUGE_VAL;
         g->earlier = f->all;
         g->nearlier = f->n;
@@ -238,10 +241,8 @@ void functions_free(struct functions *f) {
         if (g->own && g->type->free) g->type->free(g->own);
         for (int k = 0; k < MAX_QUANTITIES; k++)
             if (g->table[k]) fclose(g->table[k]);
-        free(g->own);
-        free(g->block_values);
     }
-    free(f->all);
+    pool_free(&f->pool);
     free(f);
 }
 

@@ -79,19 +79,6 @@ static void average_keywords(struct keywords *k) {
     keywords_params(k, item_param, COUNT(item_param));
 }
 
-static void average_free(void *own) {
-    struct average *a = own;
-    for (int i = 0; a->item && i < a->n; i++) free(a->item[i].line[0]);
-    free(a->item);
-    means_cells_free(&a->cells);
-    free(a->rho_last);
-    free(a->rho_now);
-    free(a->part);
-    free(a->keep);
-    free(a->all);
-    free(a->out);
-}
-
 /* ---- steps ---- */
 
 static double average_next(const struct function *f, double t) {
@@ -224,12 +211,13 @@ static status average_execute(struct function *f, const struct moment *now, cons
 
 /* ---- time folders ---- */
 
-static status make_room(const struct average *a, long ncells_all, double **all, double **out) {
+static status make_room(const struct function *f, struct average *a) {
+    const long ncells_all = f->setup->grid->ncells_all;
     int most = 1;
     for (int i = 0; i < a->n; i++)
         if (a->item[i].nlines > most) most = a->item[i].nlines;
-    if (!*all) TRY(allocate(all, most * ncells_all, sizeof(double), "averages to write"));
-    return *out ? OK : allocate(out, 6 * ncells_all, sizeof(double), "averages to write");
+    if (!a->all) TRY(pool_take(f->pool, &a->all, most * ncells_all, sizeof(double), "averages to write"));
+    return a->out ? OK : pool_take(f->pool, &a->out, 6 * ncells_all, sizeof(double), "averages to write");
 }
 
 static status gather_item(const struct function *f, const struct item *it) {
@@ -297,7 +285,7 @@ static status average_save(const struct function *f, const struct field_writer *
     struct sink *o = NULL;
     struct file_sum sum;
     if (!has_samples(a)) return OK;
-    status e = root ? make_room(a, s->grid->ncells_all, &a->all, &a->out) : OK;
+    status e = root ? make_room(f, a) : OK;
     if (root && !e) e = means_open(w, a->file, &exact, &o);
     TRY(comm_agree(s->comm, e));
     if (root) print_identity(o, f);
@@ -410,7 +398,7 @@ static status make_item(struct function *f, struct dict *fields, const char *key
     it->nlines = it->weighted + it->components + it->squares;
     snprintf(it->mean_name, sizeof it->mean_name, "%.30sMean", key);
     snprintf(it->squared_name, sizeof it->squared_name, "%.30sPrime2Mean", key);
-    TRY(allocate(&it->line[0], (it->nlines + 3) * a->cells.n + 1, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &it->line[0], (it->nlines + 3) * a->cells.n + 1, sizeof(double), "averages"));
     for (int l = 1; l < it->nlines; l++) it->line[l] = it->line[0] + l * a->cells.n;
     for (int k = 0; k < 3; k++) it->last[k] = it->line[0] + (it->nlines + k) * a->cells.n;
     it->weight = it->weighted ? it->line[0] : NULL;
@@ -420,10 +408,10 @@ static status make_item(struct function *f, struct dict *fields, const char *key
 static status make_memory(const struct function *f) {
     struct average *a = f->own;
     TRY(means_cells_make(f, &a->cells));
-    TRY(allocate(&a->rho_last, a->cells.n + 1, sizeof(double), "averages"));
-    TRY(allocate(&a->rho_now, a->cells.largest, sizeof(double), "averages"));
-    TRY(allocate(&a->part, a->cells.largest, sizeof(double), "averages"));
-    return allocate(&a->keep, a->cells.largest, sizeof(double), "averages");
+    TRY(pool_take(f->pool, &a->rho_last, a->cells.n + 1, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &a->rho_now, a->cells.largest, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &a->part, a->cells.largest, sizeof(double), "averages"));
+    return pool_take(f->pool, &a->keep, a->cells.largest, sizeof(double), "averages");
 }
 
 static status average_make(struct function *f, struct dict *d) {
@@ -439,7 +427,7 @@ static status average_make(struct function *f, struct dict *d) {
     TRY(make_memory(f));
     const int n = dict_count(fields);
     if (!n) return dict_fail(d, "fields", "it is empty");
-    TRY(allocate(&a->item, n, sizeof *a->item, "averages"));
+    TRY(pool_take(f->pool, &a->item, n, sizeof *a->item, "averages"));
     status e = OK;
     for (int i = 0; !e && i < n; i++) {
         a->n = i + 1;
@@ -459,7 +447,6 @@ const struct function_type function_average = {
     .keywords = average_keywords,
     .make = average_make,
     .execute = average_execute,
-    .free = average_free,
     .no_fields = true,
     .with_fields = true,
     .next = average_next,

@@ -131,10 +131,6 @@ static status coefficients_execute(struct function *f, const struct moment *now,
     return comm_agree(f->setup->comm, write_row(f, now->t, &all));
 }
 
-static void coefficients_free(void *own) {
-    free(((struct coefficients *)own)->patches.takes);
-}
-
 const struct function_type function_coefficients = {
     .name = "forceCoeffs",
     .about = "coefficients of force and moment on patches: drag, side force, lift, roll, pitch, yaw; no `fields`",
@@ -142,7 +138,6 @@ const struct function_type function_coefficients = {
     .size = sizeof(struct coefficients),
     .make = coefficients_make,
     .execute = coefficients_execute,
-    .free = coefficients_free,
     .table = {"coefficient.dat"},
     .head = coefficients_head,
     .width = 14,

@@ -6,7 +6,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct reached { /* a cell and its centre, m; found by a search, in which all ranks take part */
@@ -97,8 +96,9 @@ static void find_extremes(const struct function *f, int field, double value[2], 
     }
 }
 
-static status find_lowest(const struct grid *grid, int **out) {
-    TRY(allocate(out, grid->nblocks + 1L, sizeof **out, "blocks"));
+static status find_lowest(const struct function *f, int **out) {
+    const struct grid *grid = f->setup->grid;
+    TRY(pool_take(f->pool, out, grid->nblocks + 1L, sizeof **out, "blocks"));
     for (int b = 0; b < grid->nblocks; b++) {
         (*out)[b] = INT_MAX;
         for (int i = 0; i < grid->block[b].ncells; i++)
@@ -115,9 +115,9 @@ static const double *place_of(const struct function *f, int cell, struct reached
 }
 
 static status begin(const struct function *f, struct extremes *e) {
-    TRY(allocate(&e->spot, 2L * f->nfields + 1, sizeof *e->spot, "places"));
+    TRY(pool_take(f->pool, &e->spot, 2L * f->nfields + 1, sizeof *e->spot, "places"));
     for (int i = 0; i < 2 * f->nfields; i++) e->spot[i].cell = -1;
-    return find_lowest(f->setup->grid, &e->lowest);
+    return find_lowest(f, &e->lowest);
 }
 
 static void extremes_head(const struct function *f, int i, FILE *o) {
@@ -155,19 +155,12 @@ static status extremes_execute(struct function *f, const struct moment *now, con
     return comm_agree(f->setup->comm, s);
 }
 
-static void extremes_free(void *own) {
-    struct extremes *e = own;
-    free(e->lowest);
-    free(e->spot);
-}
-
 const struct function_type function_extremes = {
     .name = "fieldMinMax",
     .about = "smallest and largest value and where",
     FUNCTION_PARAMS(extremes_param),
     .size = sizeof(struct extremes),
     .execute = extremes_execute,
-    .free = extremes_free,
     .table = {"fieldMinMax.dat"},
     .head = extremes_head,
     .width = 16,

@@ -4,7 +4,6 @@
  * the step, so that the sum of force times dt is the momentum that the gas has lost, to round-off. */
 #include "solvers/functions/functions_patches.h"
 
-#include <stdlib.h>
 
 struct forces {
     struct patch_choice patches;
@@ -85,10 +84,6 @@ static status forces_execute(struct function *f, const struct moment *now, const
     return comm_agree(f->setup->comm, forces_write(f, now->t, &all));
 }
 
-static void forces_free(void *own) {
-    free(((struct forces *)own)->patches.takes);
-}
-
 const struct function_type function_forces = {
     .name = "forces",
     .about = "force and moment on patches by pressure and viscous stress, mean over the step; no `fields`",
@@ -96,7 +91,6 @@ const struct function_type function_forces = {
     .size = sizeof(struct forces),
     .make = forces_make,
     .execute = forces_execute,
-    .free = forces_free,
     .table = {"force.dat", "moment.dat"},
     .head = forces_head,
     .width = 14,

@@ -26,7 +26,7 @@ struct image {
     char place[TIME_PATH + 64]; /* FILE:LINE of the entry, for warnings */
     char program[PLAIN_PATH];   /* haffPlot */
     char fields[1024];          /* with blanks between them */
-    char *option[MOST_OPTIONS]; /* [noptions] malloc'd */
+    char *option[MOST_OPTIONS]; /* [noptions] */
     int noptions;
     pid_t child; /* on the root; 0: none runs */
     int output;  /* of the child: the end of a pipe from which it is read */
@@ -104,7 +104,7 @@ static status take_option(struct image *x, const struct lexer *l, const struct t
         if (token_is(t, taken[k]))
             return lexer_fail(l, t, "that is not for 'options': each written time goes to a file of its own");
     if (x->noptions == MOST_OPTIONS) return lexer_fail(l, t, "'options' takes %d words at most", MOST_OPTIONS);
-    TRY(allocate(&x->option[x->noptions], t->length + 1L, 1, "options"));
+    TRY(pool_take(x->f->pool, &x->option[x->noptions], t->length + 1L, 1, "options"));
     memcpy(x->option[x->noptions++], t->text, length);
     return OK;
 }
@@ -276,7 +276,6 @@ static void image_free(void *own) {
     struct image *x = own;
     char reason[MESSAGE];
     if (wait_for_child(x, reason)) warn_once(x, reason);
-    for (int i = 0; i < MOST_OPTIONS; i++) free(x->option[i]);
 }
 
 const struct function_type function_image = {

@@ -82,7 +82,7 @@ static status find_volumes(const struct function *f, struct integral *v) {
     const struct grid *grid = f->setup->grid;
     const long most = 6L * f->nfields * grid->nblocks;
     double *per_block;
-    TRY(allocate(&v->kept, most + 1, sizeof *v->kept, "sums of blocks"));
+    TRY(pool_take(f->pool, &v->kept, most + 1, sizeof *v->kept, "sums of blocks"));
     for (long i = 0; i < most; i++) v->kept[i] = NAN;
     TRY(allocate(&per_block, grid->nblocks + 1L, sizeof(double), "sums of blocks"));
     for (int b = 0; b < grid->nblocks; b++)
@@ -130,17 +130,12 @@ static status integral_execute(struct function *f, const struct moment *now, con
     return comm_agree(f->setup->comm, s ? s : function_end_row(f, o));
 }
 
-static void integral_free(void *own) {
-    free(((struct integral *)own)->kept);
-}
-
 const struct function_type function_integral = {
     .name = "volFieldValue",
     .about = "volIntegrate, volAverage, sum, min or max over all cells",
     FUNCTION_PARAMS(integral_param),
     .size = sizeof(struct integral),
     .execute = integral_execute,
-    .free = integral_free,
     .table = {"volFieldValue.dat"},
     .head = integral_head,
     .width = 16,

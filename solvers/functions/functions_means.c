@@ -3,7 +3,6 @@
  * of their sums in a time folder, from which a restart goes on. */
 #include "solvers/functions/functions_private.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 int means_density(const struct function *f) {
@@ -21,18 +20,13 @@ bool means_per_mass(const struct function *f, int field) {
 status means_cells_make(const struct function *f, struct means_cells *out) {
     const struct grid *grid = f->setup->grid;
     *out = (struct means_cells){.largest = 1};
-    TRY(allocate(&out->first, grid->nblocks + 1, sizeof *out->first, "averages"));
+    TRY(pool_take(f->pool, &out->first, grid->nblocks + 1, sizeof *out->first, "averages"));
     for (int b = 0; b < grid->nblocks; b++) {
         out->first[b] = out->n;
         out->n += grid->block[b].ncells;
         if (grid->block[b].ncells > out->largest) out->largest = grid->block[b].ncells;
     }
-    return allocate(&out->by_block, grid->nblocks + 1, sizeof *out->by_block, "averages");
-}
-
-void means_cells_free(struct means_cells *c) {
-    free(c->first);
-    free(c->by_block);
+    return pool_take(f->pool, &out->by_block, grid->nblocks + 1, sizeof *out->by_block, "averages");
 }
 
 status means_gather(const struct means_cells *c, const struct function *f, const double *line, double *all) {

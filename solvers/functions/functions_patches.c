@@ -48,7 +48,7 @@ status patches_read(const struct function *f, struct dict *d, const char *key, s
     const struct polymesh *m = f->setup->mesh;
     const char *const *words;
     int n;
-    TRY(allocate(&out->takes, m->npatches, sizeof *out->takes, "patches"));
+    TRY(pool_take(f->pool, &out->takes, m->npatches, sizeof *out->takes, "patches"));
     TRY(status_note(dict_words(d, key, &n, &words), "'%s' lists patches: (NAME ..)", key));
     if (!n) return dict_fail(d, key, "it is empty; give (NAME ..)");
     for (int i = 0; i < n; i++) {

@@ -8,7 +8,7 @@
 
 struct patch_choice { /* of patches with faces in the solved space, neither empty nor cyclic */
     int n;
-    bool *takes; /* [patches of the mesh]; malloc'd */
+    bool *takes; /* [patches of the mesh] */
 };
 /* Reads the names of patches, or quoted regular expressions, at a key. */
 status patches_read(const struct function *f, struct dict *d, const char *key, struct patch_choice *out);

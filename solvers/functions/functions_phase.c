@@ -44,12 +44,6 @@ static const struct param phases_param[] = {
 static void phases_free(void *own) {
     struct phases *p = own;
     for (int j = 0; j < p->n; j++) free(p->sum[j]);
-    free(p->values);
-    free(p->now);
-    free(p->before);
-    free(p->between);
-    means_cells_free(&p->cells);
-    free(p->rho_now);
 }
 
 /* Is field k weighted by rho? */
@@ -81,7 +75,7 @@ static double phases_next(const struct function *f, double t) {
 
 static status make_bin(const struct function *f, int bin) {
     struct phases *p = f->own;
-    if (!p->values) TRY(allocate(&p->values, 3 * p->ncells, sizeof(double), "a field of the averages"));
+    if (!p->values) TRY(pool_take(f->pool, &p->values, 3 * p->ncells, sizeof(double), "a field of the averages"));
     return p->sum[bin] ? OK : allocate(&p->sum[bin], p->size, sizeof(double), "sums of the averages");
 }
 
@@ -330,10 +324,10 @@ static status make_lines(const struct function *f) {
     p->nlines = p->rho >= 0;
     for (int k = 0; k < f->nfields; k++) p->nlines += setup_lines(f->setup, f->field[k]);
     const long size = p->nlines * p->cells.n + 1;
-    TRY(allocate(&p->rho_now, p->cells.largest, sizeof(double), "averages"));
-    TRY(allocate(&p->before, size, sizeof(double), "averages"));
-    TRY(allocate(&p->now, size, sizeof(double), "averages"));
-    return allocate(&p->between, size, sizeof(double), "averages");
+    TRY(pool_take(f->pool, &p->rho_now, p->cells.largest, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &p->before, size, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &p->now, size, sizeof(double), "averages"));
+    return pool_take(f->pool, &p->between, size, sizeof(double), "averages");
 }
 
 static status phases_make(struct function *f, struct dict *d) {

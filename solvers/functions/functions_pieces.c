@@ -206,7 +206,7 @@ static void end(struct making *m) {
 
 static status take_faces(struct making *m, const struct patch_choice *c) {
     const struct polymesh *mesh = m->f->setup->mesh;
-    TRY(allocate(&m->out->run, mesh->npatches, sizeof *m->out->run, "a surface"));
+    TRY(pool_take(m->f->pool, &m->out->run, mesh->npatches, sizeof *m->out->run, "a surface"));
     for (int p = 0; p < mesh->npatches; p++) {
         if (c->takes[p]) m->out->run[m->out->nruns++] = (struct run){p, mesh->patch[p].nfaces};
         for (int i = 0; i < mesh->patch[p].nfaces && c->takes[p]; i++) {
@@ -304,7 +304,6 @@ status surface_sample(const struct surface *s, const struct function *f, int qua
 
 void surface_free(struct surface *s) {
     edges_free(s->edges);
-    free(s->run);
     free(s->piece);
     free(s->near);
     free(s->weight);

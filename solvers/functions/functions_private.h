@@ -4,6 +4,7 @@
 #ifndef SOLVERS_FUNCTIONS_PRIVATE_H
 #define SOLVERS_FUNCTIONS_PRIVATE_H
 
+#include "mesh/base/pool.h"
 #include "solvers/dict/params.h"
 #include "solvers/functions/functions.h"
 
@@ -23,6 +24,7 @@ struct function { /* one function object; its members are for all types */
     double *block_values;        /* [3][cells of the largest block] room for function_block */
     FILE *table[MAX_QUANTITIES]; /* on the root: its tables; opened by their first rows */
     double last;                 /* s: the last time that function_again was asked of */
+    struct pool *pool;           /* has memory that lasts as long as the function objects */
     void *own;                   /* the type's own struct; NULL: it has none */
 };
 struct function_type {
@@ -35,8 +37,7 @@ struct function_type {
     status (*make)(struct function *f, struct dict *d);
     /* Writes the results at a time, whose name is for files. Collective. NULL: there are none. */
     status (*execute)(struct function *f, const struct moment *now, const char *time);
-    void (*free)(
-        void *own); /* frees what f->own holds, even if make failed; NULL: nothing. f->own itself is freed behind */
+    void (*free)(void *own); /* frees what f->own holds elsewhere than in f->pool, even if make failed; NULL: nothing */
     /* The tables that it writes: files postProcessing/<function>/<start>/<table>, NULL: one for each field, by its
      * name. head prints the lines in front of the rows of table i (NULL: there are none); rows begin with the time, in
      * so many characters. */
@@ -86,7 +87,6 @@ struct means_cells {         /* the cells of this rank, of which averages keep l
     const double **by_block; /* [blocks] for gathers */
 };
 status means_cells_make(const struct function *f, struct means_cells *out);
-void means_cells_free(struct means_cells *c);
 /* Gathers a line on the root, as grid_gather does. Collective. */
 status means_gather(const struct means_cells *c, const struct function *f, const double *line, double *all);
 /* Sets `file` to uniform/<type>.<function>, the file of the sums in a time folder. */

@@ -61,8 +61,7 @@ static status probes_execute(struct function *f, const struct moment *now, const
 }
 
 static void probes_free(void *own) {
-    struct probes *p = own;
-    spots_free(&p->spots);
+    spots_free(&((struct probes *)own)->spots);
 }
 
 const struct function_type function_probes = {

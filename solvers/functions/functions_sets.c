@@ -85,7 +85,7 @@ static status sets_make(struct function *f, struct dict *d) {
     TRY(dict_sub(d, "sets", &all));
     int n = dict_count(all);
     if (!n) return dict_fail(d, "sets", "it is empty");
-    TRY(allocate(&sets->line, n, sizeof *sets->line, "lines"));
+    TRY(pool_take(f->pool, &sets->line, n, sizeof *sets->line, "lines"));
     for (int i = 0; i < n; i++) {
         TRY(dict_sub(all, dict_key(all, i), &one));
         TRY(function_name(all, dict_key(all, i)));
@@ -150,9 +150,7 @@ static status sets_execute(struct function *f, const struct moment *now, const c
 }
 
 static void sets_free(void *own) {
-    struct sets *s = own;
-    spots_free(&s->spots);
-    free(s->line);
+    spots_free(&((struct sets *)own)->spots);
 }
 
 const struct function_type function_sets = {

@@ -83,12 +83,12 @@ static status find_cells(const struct spots *s, const struct setup *setup, doubl
 }
 
 /* Finds the simplices of the spots and marks the cells that their corners need. */
-static status find_simplices(struct spots_linear *l, const struct spots *s, const struct setup *setup,
-                             const double *cell, bool *wanted) {
+static status find_simplices(struct pool *pool, struct spots_linear *l, const struct spots *s,
+                             const struct setup *setup, const double *cell, bool *wanted) {
     TRY(setup_complete(setup));
     TRY(vicinity_make(setup->mesh, setup->centre, setup->dim, setup->axis, &l->vicinity));
-    TRY(allocate(&l->corner, 4L * s->n + 1, sizeof *l->corner, "points"));
-    TRY(allocate(&l->value, setup->mesh->ncells, sizeof *l->value, "samples"));
+    TRY(pool_take(pool, &l->corner, 4L * s->n + 1, sizeof *l->corner, "points"));
+    TRY(pool_take(pool, &l->value, setup->mesh->ncells, sizeof *l->value, "samples"));
     for (int i = 0; i < s->n; i++) {
         long node[4];
         double weight[4];
@@ -111,7 +111,8 @@ static void mark_points(const struct polymesh *m, long node, bool *points) {
 }
 
 /* Finds the patches that the simplices touch, on the root. */
-static status find_patches(struct spots_linear *l, int nspots, const struct polymesh *m, bool *takes) {
+static status find_patches(struct pool *pool, struct spots_linear *l, int nspots, const struct polymesh *m,
+                           bool *takes) {
     bool *points, any = false;
     TRY(allocate(&points, m->npoints, sizeof *points, "points"));
     for (long i = 0; i < 4L * nspots; i++)
@@ -122,14 +123,14 @@ static status find_patches(struct spots_linear *l, int nspots, const struct poly
     free(points);
     for (int p = 0; p < m->npatches; p++) any |= takes[p] && strcmp(m->patch[p].type, "empty") != 0;
     if (!any) return OK;
-    TRY(allocate(&l->at_point, m->npoints, sizeof *l->at_point, "points"));
-    return allocate(&l->count, m->npoints, sizeof *l->count, "points");
+    TRY(pool_take(pool, &l->at_point, m->npoints, sizeof *l->at_point, "points"));
+    return pool_take(pool, &l->count, m->npoints, sizeof *l->count, "points");
 }
 
-static status find_edges(struct spots_linear *l, int nspots, const struct setup *s) {
+static status find_edges(struct pool *pool, struct spots_linear *l, int nspots, const struct setup *s) {
     bool *takes;
     TRY(comm_agree(s->comm, allocate(&takes, s->mesh->npatches + 1L, sizeof *takes, "patches")));
-    status e = comm_agree(s->comm, comm_root(s->comm) ? find_patches(l, nspots, s->mesh, takes) : OK);
+    status e = comm_agree(s->comm, comm_root(s->comm) ? find_patches(pool, l, nspots, s->mesh, takes) : OK);
     takes[s->mesh->npatches] = l->at_point != NULL;
     comm_broadcast(s->comm, takes, (s->mesh->npatches + 1L) * (long)sizeof *takes);
     if (!e && takes[s->mesh->npatches]) e = edges_make(s, takes, &l->edges);
@@ -138,14 +139,14 @@ static status find_edges(struct spots_linear *l, int nspots, const struct setup 
 }
 
 /* Numbers the wanted cells, and finds those of this rank. */
-static status find_picks(struct spots_linear *l, const struct setup *setup, const bool *wanted) {
+static status find_picks(struct pool *pool, struct spots_linear *l, const struct setup *setup, const bool *wanted) {
     const struct grid *g = setup->grid;
     const int ncells = setup->mesh->ncells;
     int *slot;
     for (int c = 0; c < ncells; c++) l->nslots += wanted[c];
-    TRY(allocate(&l->cell, l->nslots + 1L, sizeof *l->cell, "samples"));
-    TRY(allocate(&l->pick, l->nslots + 1L, sizeof *l->pick, "samples"));
-    TRY(allocate(&l->slots, 3L * l->nslots + 1, sizeof *l->slots, "samples"));
+    TRY(pool_take(pool, &l->cell, l->nslots + 1L, sizeof *l->cell, "samples"));
+    TRY(pool_take(pool, &l->pick, l->nslots + 1L, sizeof *l->pick, "samples"));
+    TRY(pool_take(pool, &l->slots, 3L * l->nslots + 1, sizeof *l->slots, "samples"));
     TRY(allocate(&slot, ncells, sizeof *slot, "samples"));
     for (int c = 0, n = 0; c < ncells; c++) {
         slot[c] = n;
@@ -163,17 +164,18 @@ static status linear_make(const struct spots *s, const struct function *f, struc
     bool *wanted = NULL;
     double *cell = NULL;
     struct spots_linear *l;
-    status e = allocate(out, 1, sizeof **out, "points");
+    status e = pool_take(f->pool, out, 1, sizeof **out, "points");
     if (!e) e = allocate(&wanted, setup->mesh->ncells, sizeof *wanted, "points");
     e = comm_agree(setup->comm, e);
     l = *out;
     if (!e) e = comm_agree(setup->comm, find_cells(s, setup, &cell));
-    if (!e) e = comm_agree(setup->comm, comm_root(setup->comm) ? find_simplices(l, s, setup, cell, wanted) : OK);
+    if (!e)
+        e = comm_agree(setup->comm, comm_root(setup->comm) ? find_simplices(f->pool, l, s, setup, cell, wanted) : OK);
     if (!e) {
         comm_broadcast(setup->comm, wanted, (long)sizeof *wanted * setup->mesh->ncells);
-        e = comm_agree(setup->comm, find_picks(l, setup, wanted));
+        e = comm_agree(setup->comm, find_picks(f->pool, l, setup, wanted));
     }
-    if (!e) e = find_edges(l, s->n, setup);
+    if (!e) e = find_edges(f->pool, l, s->n, setup);
     free(wanted);
     free(cell);
     return e;
@@ -211,20 +213,6 @@ static status linear_sample(const struct spots *s, const struct function *f, int
         }
     }
     return OK;
-}
-
-static void linear_free(struct spots_linear *l) {
-    if (!l) return;
-    vicinity_free(l->vicinity);
-    edges_free(l->edges);
-    free(l->at_point);
-    free(l->count);
-    free(l->cell);
-    free(l->pick);
-    free(l->slots);
-    free(l->corner);
-    free(l->value);
-    free(l);
 }
 
 /* ---- both ---- */
@@ -270,6 +258,9 @@ status spots_sample(const struct spots *s, const struct function *f, int field, 
 }
 
 void spots_free(struct spots *s) {
-    linear_free(s->fit);
+    if (s->fit) {
+        vicinity_free(s->fit->vicinity);
+        edges_free(s->fit->edges);
+    }
     free(s->at);
 }

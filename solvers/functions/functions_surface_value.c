@@ -404,9 +404,7 @@ static status value_execute(struct function *f, const struct moment *now, const 
 }
 
 static void value_free(void *own) {
-    struct surface_value *v = own;
-    free(v->patches.takes);
-    surface_free(&v->surface);
+    surface_free(&((struct surface_value *)own)->surface);
 }
 
 const struct function_type function_surface_value = {

@@ -127,7 +127,7 @@ static status surfaces_make(struct function *f, struct dict *d) {
     TRY(dict_sub(d, "surfaces", &all));
     const int n = dict_count(all);
     if (!n) return dict_fail(d, "surfaces", "it is empty");
-    TRY(allocate(&s->one, n, sizeof *s->one, "surfaces"));
+    TRY(pool_take(f->pool, &s->one, n, sizeof *s->one, "surfaces"));
     for (int i = 0; i < n; i++) {
         TRY(dict_sub(all, dict_key(all, i), &sub));
         TRY(function_name(all, dict_key(all, i)));
@@ -144,8 +144,8 @@ static status prepare(const struct function *f) {
     if (s->vicinity) return OK;
     TRY(setup_complete(setup));
     TRY(vicinity_make(setup->mesh, setup->centre, setup->dim, setup->axis, &s->vicinity));
-    TRY(allocate(&s->values, 3L * setup->mesh->ncells, sizeof(double), "a surface"));
-    TRY(allocate(&s->level_values, 3L * setup->mesh->ncells, sizeof(double), "a surface"));
+    TRY(pool_take(f->pool, &s->values, 3L * setup->mesh->ncells, sizeof(double), "a surface"));
+    TRY(pool_take(f->pool, &s->level_values, 3L * setup->mesh->ncells, sizeof(double), "a surface"));
     for (int i = 0; i < s->n; i++)
         if (s->one[i].type == PLANE) TRY(slice_plane(s->vicinity, s->one[i].point, s->one[i].normal, &s->one[i].slice));
     return OK;
@@ -246,10 +246,7 @@ static status surfaces_execute(struct function *f, const struct moment *now, con
 static void surfaces_free(void *own) {
     struct surfaces *s = own;
     for (int i = 0; s->one && i < s->n; i++) slice_free(&s->one[i].slice);
-    free(s->one);
     vicinity_free(s->vicinity);
-    free(s->values);
-    free(s->level_values);
 }
 
 const struct function_type function_surfaces = {

@@ -82,7 +82,7 @@ static status vtk_execute(struct function *f, const struct moment *now, const ch
     for (int k = 0; k < f->nfields; k++) lines += quantity_of(f, f->field[k])->components;
     if (root) e = polymesh_complete(s->mesh); /* its geometry is not asked for */
     if (root && !e && !v->grid) e = vtk_grid_make(s->mesh, &v->grid);
-    if (root && !e && !v->values) e = allocate(&v->values, n * lines, sizeof(double), "VTK fields");
+    if (root && !e && !v->values) e = pool_take(f->pool, &v->values, n * lines, sizeof(double), "VTK fields");
     TRY(comm_agree(s->comm, e));
     double *values = root ? v->values : NULL;
     for (int k = 0; k < f->nfields; k++) {
@@ -95,9 +95,7 @@ static status vtk_execute(struct function *f, const struct moment *now, const ch
 }
 
 static void vtk_free(void *own) {
-    struct vtk *v = own;
-    vtk_grid_free(v->grid);
-    free(v->values);
+    vtk_grid_free(((struct vtk *)own)->grid);
 }
 
 const struct function_type function_vtk = {
