@@ -12,6 +12,7 @@ struct pair { /* a point on a cyclic patch, and the point that lies on it when `
     int point, partner, patch;
 };
 struct maker {
+    struct pool pool; /* has the lists */
     struct vicinity *v;
     int npairs, nimages;
     struct pair *pair;    /* [npairs] sorted by point */
@@ -59,12 +60,12 @@ static void points_of_cells(struct vicinity *v, int *seen, bool list) {
 static status list_points(struct maker *k) {
     struct vicinity *v = k->v;
     const struct polymesh *m = v->mesh;
-    TRY(allocate(&v->own_start, m->ncells + 1L, sizeof(int), "cells around points"));
-    TRY(allocate(&k->around, m->npoints + 2L, sizeof(int), "cells around points"));
+    TRY(pool_take(&v->pool, &v->own_start, m->ncells + 1L, sizeof(int), "cells around points"));
+    TRY(pool_take(&k->pool, &k->around, m->npoints + 2L, sizeof(int), "cells around points"));
     points_of_cells(v, k->around, false);
     const long n = v->own_start[m->ncells];
-    TRY(allocate(&v->point, n, sizeof(int), "cells around points"));
-    TRY(allocate(&k->inside, n, sizeof(int), "cells around points"));
+    TRY(pool_take(&v->pool, &v->point, n, sizeof(int), "cells around points"));
+    TRY(pool_take(&k->pool, &k->inside, n, sizeof(int), "cells around points"));
     points_of_cells(v, k->around, true);
     memset(k->around, 0, (size_t)(m->npoints + 2) * sizeof(int));
     for (long i = 0; i < n; i++) k->around[v->point[i] + 2]++;
@@ -120,9 +121,9 @@ static status pair_points(struct maker *k) {
     for (int p = 0; p < m->npatches; p++)
         if (has_type(&m->patch[p], "cyclic"))
             n += m->face_start[m->patch[p].start + m->patch[p].nfaces] - m->face_start[m->patch[p].start];
-    TRY(allocate(&k->pair, n + 1, sizeof *k->pair, "cells around points"));
-    TRY(allocate(&k->step, m->npatches + 1, sizeof *k->step, "cells around points"));
-    TRY(allocate(&k->first, m->npoints + 2L, sizeof(int), "cells around points"));
+    TRY(pool_take(&k->pool, &k->pair, n + 1, sizeof *k->pair, "cells around points"));
+    TRY(pool_take(&k->pool, &k->step, m->npatches + 1, sizeof *k->step, "cells around points"));
+    TRY(pool_take(&k->pool, &k->first, m->npoints + 2L, sizeof(int), "cells around points"));
     for (int p = 0; p < m->npatches; p++) {
         const struct patch *one = &m->patch[p];
         const int other = one->neighbour ? polymesh_find_patch(m, one->neighbour) : -1;
@@ -175,16 +176,16 @@ static status surround(struct maker *k) {
     struct vicinity *v = k->v;
     const int npoints = v->mesh->npoints;
     struct image_of image[MOST_PARTNERS];
-    TRY(allocate(&v->start, npoints + 1L, sizeof(int), "cells around points"));
-    TRY(allocate(&v->shift, MOST_IMAGES, sizeof *v->shift, "cells around points"));
+    TRY(pool_take(&v->pool, &v->start, npoints + 1L, sizeof(int), "cells around points"));
+    TRY(pool_take(&v->pool, &v->shift, MOST_IMAGES, sizeof *v->shift, "cells around points"));
     k->nimages = 1;
     for (int p = 0; p < npoints; p++) {
         const int n = find_images(k, p, image);
         v->start[p + 1] = v->start[p];
         for (int i = 0; i < n; i++) v->start[p + 1] += k->around[image[i].point + 1] - k->around[image[i].point];
     }
-    TRY(allocate(&v->cell, v->start[npoints] + 1L, sizeof(int), "cells around points"));
-    TRY(allocate(&v->image, v->start[npoints] + 1L, 1, "cells around points"));
+    TRY(pool_take(&v->pool, &v->cell, v->start[npoints] + 1L, sizeof(int), "cells around points"));
+    TRY(pool_take(&v->pool, &v->image, v->start[npoints] + 1L, 1, "cells around points"));
     for (int p = 0, to = 0; p < npoints; p++) {
         const int n = find_images(k, p, image);
         for (int i = 0; i < n; i++) {
@@ -200,7 +201,7 @@ static status surround(struct maker *k) {
 
 static status find_border(struct vicinity *v) {
     const struct polymesh *m = v->mesh;
-    TRY(allocate(&v->border, m->npoints + 1L, sizeof *v->border, "cells around points"));
+    TRY(pool_take(&v->pool, &v->border, m->npoints + 1L, sizeof *v->border, "cells around points"));
     for (int p = 0; p < m->npatches; p++) {
         const struct patch *one = &m->patch[p];
         if (!one->nfaces || has_type(one, "cyclic") || has_type(one, "empty")) continue;
@@ -226,11 +227,7 @@ status vicinity_make(const struct polymesh *m, const double *centre, int dim, co
     *k.v = (struct vicinity){.mesh = m, .centre = centre, .dim = dim};
     for (int a = 0; a < dim; a++) k.v->axis[a] = axis[a];
     const status e = fill(&k);
-    free(k.pair);
-    free(k.step);
-    free(k.first);
-    free(k.around);
-    free(k.inside);
+    pool_free(&k.pool);
     if (e) {
         vicinity_free(k.v);
         return e;
@@ -243,13 +240,7 @@ void vicinity_free(struct vicinity *v) {
     if (!v) return;
     free(v->cell_start);
     free(v->face);
-    free(v->own_start);
-    free(v->point);
-    free(v->start);
-    free(v->cell);
-    free(v->image);
-    free(v->shift);
-    free(v->border);
+    pool_free(&v->pool);
     free(v);
 }
 

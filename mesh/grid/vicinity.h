@@ -5,9 +5,11 @@
 #ifndef MESH_VICINITY_H
 #define MESH_VICINITY_H
 
+#include "mesh/base/pool.h"
 #include "mesh/format/polymesh.h"
 
 struct vicinity {
+    struct pool pool;
     const struct polymesh *mesh;
     const double *centre; /* [ncells][3] m, borrowed */
     int dim, axis[3];

@@ -83,8 +83,8 @@ static status make_tiles(struct forest *f, const struct lattice *l, const struct
     long nfaces = 0;
     f->ntiles = h->trees->count;
     for (int t = 0; t < f->ntiles; t++) nfaces += patch_faces(&all[t], l->dim);
-    TRY(allocate(&f->tile, f->ntiles, sizeof *f->tile, "the tiles"));
-    TRY(allocate(&h->face, nfaces, sizeof *h->face, "the faces of the tiles"));
+    TRY(pool_take(&h->pool, &f->tile, f->ntiles, sizeof *f->tile, "the tiles"));
+    TRY(pool_take(&h->pool, &h->face, nfaces, sizeof *h->face, "the faces of the tiles"));
     int *face = h->face;
     for (int t = 0; t < f->ntiles; t++) {
         struct tile *tile = &f->tile[t];
@@ -104,8 +104,8 @@ static status make_blocks(struct forest *f, const struct lattice *l) {
         h->ncells += (long)mine[b].n[0] * mine[b].n[1] * mine[b].n[2];
         f->nblocks++;
     }
-    TRY(allocate(&f->block, f->nblocks, sizeof *f->block, "the blocks"));
-    TRY(allocate(&h->cell, h->ncells, sizeof *h->cell, "the cells of the blocks"));
+    TRY(pool_take(&h->pool, &f->block, f->nblocks, sizeof *f->block, "the blocks"));
+    TRY(pool_take(&h->pool, &h->cell, h->ncells, sizeof *h->cell, "the cells of the blocks"));
     int *cell = h->cell;
     for (int b = 0; b < f->nblocks; b++) {
         f->block[b] = (struct forest_block){.id = mine[b].id, .tile = mine[b].tile - h->trees->first, .cell = cell};
@@ -168,14 +168,10 @@ void forest_free(struct forest *f) {
     if (!f) return;
     struct forest_private *h = f->hidden;
     if (h) {
-        fill_free(h);
+        comm_exchange_free(h->exchange);
         trees_free(h->trees);
-        cut_free(h);
-        free(h->cell);
-        free(h->face);
+        pool_free(&h->pool);
         free(h);
     }
-    free(f->tile);
-    free(f->block);
     free(f);
 }

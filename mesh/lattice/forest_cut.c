@@ -170,7 +170,7 @@ static int row_start(int length, int parts, int p, int dim, int tile_size) {
 /* Cuts axis k between its planes into pieces of at most tile_size cells, but no shorter than GHOSTS where the planes
  * allow it: of nearly equal length, but along axis 0 large tiles get rows that fill vectors. */
 static status cut_axis(struct forest_private *h, const bool *plane, int k, int dim, int tile_size) {
-    TRY(allocate(&h->start[k], h->n[k] + 1L, sizeof *h->start[k], "the pieces of an axis"));
+    TRY(pool_take(&h->pool, &h->start[k], h->n[k] + 1L, sizeof *h->start[k], "the pieces of an axis"));
     int low = 0;
     for (int high = 1; high <= h->n[k]; high++) {
         if (!plane[high]) continue;
@@ -306,13 +306,13 @@ static status check_thickness(const struct forest_private *h, const struct cutte
 
 static status make_tiles(struct forest_private *h, const struct cutter *c, int tile_size) {
     long places = (long)h->pieces[0] * h->pieces[1] * h->pieces[2];
-    TRY(allocate(&h->id, places, sizeof *h->id, "the grid of blocks"));
+    TRY(pool_take(&h->pool, &h->id, places, sizeof *h->id, "the grid of blocks"));
     struct seat *seat;
     int *tile_of = NULL;
     TRY(allocate(&seat, places, sizeof *seat, "the curve of the tiles"));
     number_blocks(h, c, tile_size, seat);
-    status s = allocate(&h->block, h->nblocks, sizeof *h->block, "the blocks");
-    if (!s) s = allocate(&h->all, h->nblocks, sizeof *h->all, "the tiles");
+    status s = pool_take(&h->pool, &h->block, h->nblocks, sizeof *h->block, "the blocks");
+    if (!s) s = pool_take(&h->pool, &h->all, h->nblocks, sizeof *h->all, "the tiles");
     if (!s) s = allocate(&tile_of, h->nblocks, sizeof *tile_of, "the tiles");
     if (!s) describe_all(h, c, seat, tile_of);
     free(tile_of);
@@ -331,11 +331,4 @@ status cut_make(struct forest_private *h, const struct lattice *l, const struct 
     if (!s) s = make_tiles(h, &c, tile_size);
     for (int k = 0; k < 3; k++) free(c.plane[k]);
     return s;
-}
-
-void cut_free(struct forest_private *h) {
-    for (int k = 0; k < 3; k++) free(h->start[k]);
-    free(h->id);
-    free(h->block);
-    free(h->all);
 }

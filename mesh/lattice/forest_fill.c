@@ -2,7 +2,6 @@
 /* Fills the ghost layers of a forest (the lattice cut into tiles, forest.h) by lists of boxes to copy, made once. A
  * tile's ghosts are filled just before the tile is computed, while its rows pass through the cache anyway: from other
  * tiles of this rank, or from the one message that every neighbour rank sends. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "mesh/lattice/forest_private.h"
@@ -110,32 +109,19 @@ static void plan_all(struct forest *f) {
 
 status fill_make(struct forest *f) {
     struct forest_private *h = f->hidden;
-    TRY(allocate(&h->link, comm_size(f->comm), sizeof *h->link, "the ghost exchange"));
-    TRY(allocate(&h->arriving, comm_size(f->comm), sizeof *h->arriving, "the ghost exchange"));
-    TRY(allocate(&h->fill_start, f->ntiles + 1L, sizeof *h->fill_start, "the ghost exchange plan"));
+    TRY(pool_take(&h->pool, &h->link, comm_size(f->comm), sizeof *h->link, "the ghost exchange"));
+    TRY(pool_take(&h->pool, &h->arriving, comm_size(f->comm), sizeof *h->arriving, "the ghost exchange"));
+    TRY(pool_take(&h->pool, &h->fill_start, f->ntiles + 1L, sizeof *h->fill_start, "the ghost exchange plan"));
     plan_all(f);
-    TRY(allocate(&h->fill.item, h->fill.n, sizeof *h->fill.item, "the ghost exchange plan"));
-    TRY(allocate(&h->pack.item, h->pack.n, sizeof *h->pack.item, "the ghost exchange plan"));
+    TRY(pool_take(&h->pool, &h->fill.item, h->fill.n, sizeof *h->fill.item, "the ghost exchange plan"));
+    TRY(pool_take(&h->pool, &h->pack.item, h->pack.n, sizeof *h->pack.item, "the ghost exchange plan"));
     plan_all(f);
     for (int i = 0; i < h->nlinks; i++) {
         long n = h->link[i].n * GHOSTS * FILL_VARIABLES; /* as many layers leave as arrive */
-        TRY(allocate(&h->link[i].out, n, sizeof *h->link[i].out, "the ghost exchange"));
-        TRY(allocate(&h->link[i].in, n, sizeof *h->link[i].in, "the ghost exchange"));
+        TRY(pool_take(&h->pool, &h->link[i].out, n, sizeof *h->link[i].out, "the ghost exchange"));
+        TRY(pool_take(&h->pool, &h->link[i].in, n, sizeof *h->link[i].in, "the ghost exchange"));
     }
     return comm_exchange_make(f->comm, h->nlinks, h->link, &h->exchange);
-}
-
-void fill_free(struct forest_private *h) {
-    comm_exchange_free(h->exchange);
-    for (int i = 0; i < h->nlinks; i++) {
-        free(h->link[i].out);
-        free(h->link[i].in);
-    }
-    free(h->link);
-    free(h->arriving);
-    free(h->fill_start);
-    free(h->fill.item);
-    free(h->pack.item);
 }
 
 static void copy_box(double *restrict to, const long to_stride[3], const double *restrict from,

@@ -4,6 +4,7 @@
 #ifndef MESH_FOREST_PRIVATE_H
 #define MESH_FOREST_PRIVATE_H
 
+#include "mesh/base/pool.h"
 #include "mesh/lattice/forest.h"
 #include "mesh/lattice/trees.h"
 
@@ -25,10 +26,11 @@ struct cut_block { /* one block; every rank has the list of all */
     int low[3], n[3];
 };
 struct forest_private {
-    int n[3];      /* cells of the lattice along each axis */
-    int pieces[3]; /* pieces along each axis: the grid of blocks */
-    int *start[3]; /* [pieces + 1] lattice position of each piece's first cell, and n at the end */
-    int *id;       /* [pieces0*pieces1*pieces2] block id, -1 in a hole */
+    struct pool pool; /* has all lists, those of struct forest, too */
+    int n[3];         /* cells of the lattice along each axis */
+    int pieces[3];    /* pieces along each axis: the grid of blocks */
+    int *start[3];    /* [pieces + 1] lattice position of each piece's first cell, and n at the end */
+    int *id;          /* [pieces0*pieces1*pieces2] block id, -1 in a hole */
     int nblocks;
     struct cut_block *block; /* [nblocks] all blocks, tile by tile, and by id within a tile */
     int nall;
@@ -52,10 +54,8 @@ struct forest_private {
 /* Cuts the lattice into the tiles of all ranks: sets n, pieces, start, id, nblocks, block, nall, all, the same on every
  * rank and without communication. */
 status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, int tile_size);
-void cut_free(struct forest_private *h);
 
 /* Builds the copy lists and buffers of f->hidden, and sets tile[].remote. */
 status fill_make(struct forest *f);
-void fill_free(struct forest_private *h);
 
 #endif

@@ -259,7 +259,7 @@ static status take_rule(const struct reader *r, struct initial *s, int p, int i)
     const int m = f->kind->components == 3 ? s->components : 1, nfaces = r->place->mesh->patch[p].nfaces;
     rule_of(s, p, i)->type = boundary_find(q->type);
     rule_of(s, p, i)->volume = q->varying && varying_is_volumetric(q->varying);
-    if (q->values) TRY(allocate(&s->values[3 * p + i], (long)nfaces * m, sizeof(double), "boundary values"));
+    if (q->values) TRY(pool_take(&s->pool, &s->values[3 * p + i], (long)nfaces * m, sizeof(double), "boundary values"));
     rule_of(s, p, i)->changes = q->varying && varying_in_time(q->varying);
     s->varies |= rule_of(s, p, i)->changes;
     take_values(s, p, i, nfaces);
@@ -473,10 +473,10 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
     TRY(check_values(r, s));
     TRY(field_agree(r->place, take_state(r, s)));
     TRY(take_conserved(r, s));
-    TRY(allocate(&s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
-    TRY(allocate(&s->from, s->npatches, sizeof *s->from, "boundary rules"));
-    TRY(allocate(&s->values, 3L * s->npatches, sizeof *s->values, "boundary values"));
-    TRY(allocate(&s->outside, s->npatches, sizeof *s->outside, "boundary rules"));
+    TRY(pool_take(&s->pool, &s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
+    TRY(pool_take(&s->pool, &s->from, s->npatches, sizeof *s->from, "boundary rules"));
+    TRY(pool_take(&s->pool, &s->values, 3L * s->npatches, sizeof *s->values, "boundary values"));
+    TRY(pool_take(&s->pool, &s->outside, s->npatches, sizeof *s->outside, "boundary rules"));
     s->packing_per_density = packing_per_density(&r->models->material);
     s->mesh = r->place->mesh;
     s->t = r->place->t;
@@ -524,7 +524,7 @@ static status read_rest(struct reader *r, struct initial *s) {
     if (!r->calm->rests) return OK;
     TRY(check_values(r, s));
     TRY(take_state(r, s));
-    TRY(allocate(&s->rests, n, sizeof *s->rests, "state at rest"));
+    TRY(pool_take(&s->pool, &s->rests, n, sizeof *s->rests, "state at rest"));
     const double per = packing_per_density(&r->models->material), least = r->calm->background * (1 + 1e-12);
     for (int i = 0; i < n; i++) s->rests[i] = per * s->rho[i] > least;
     return r->models->polynomial->degree > 1 ? initial_average(s, r->place, r->dim, r->models) : OK;
@@ -600,11 +600,6 @@ void initial_free(struct initial *s) {
     if (!s) return;
     initial_drop_cells(s);
     for (int i = 0; i < FIELD_COUNT; i++) field_free(s->field[i]);
-    for (int i = 0; s->values && i < 3 * s->npatches; i++) free(s->values[i]);
-    free(s->values);
-    free(s->rests);
-    free(s->rules);
-    free(s->outside);
-    free(s->from);
+    pool_free(&s->pool);
     free(s);
 }

@@ -4,6 +4,7 @@
 #define SOLVERS_INITIAL_H
 
 #include "libcore/gas/gas.h"
+#include "mesh/base/pool.h"
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
 #include "solvers/case/warnings.h"
@@ -11,7 +12,8 @@
 /* The end of the message about a density that a gas cannot start from. */
 #define BELOW_PACKING " (alphaMax, where the pressure diverges): lower it; of a settledLayer, laidAt"
 
-struct initial { /* the same on every rank, but for the values of cells */
+struct initial {      /* the same on every rank, but for the values of cells */
+    struct pool pool; /* has all lists but those of cells, which initial_drop_cells frees */
     /* On lattices without a layer (layers.h) each rank has the cells of its slice, else all. `ncells` is how many it
      * has. */
     bool sliced;

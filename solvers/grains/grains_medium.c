@@ -19,6 +19,7 @@ enum { STEP_EVENTS = 1 << 17 }; /* take about a tenth of a second: so soon a sig
 
 struct grains_run {
     struct medium base;
+    struct pool pool;
     struct grains_models *models;
     struct grains_start start;
     struct grains_state saved; /* n = 0: the start has none; freed once the grains hold it */
@@ -234,11 +235,12 @@ static status make_averages(struct grains_run *x) {
 static status make_values(struct grains_run *x) {
     const struct setup *s = x->base.setup;
     const long cells = s->mesh->ncells;
-    TRY(allocate(&x->place, cells, sizeof *x->place, "cells"));
+    TRY(pool_take(&x->pool, &x->place, cells, sizeof *x->place, "cells"));
     for (int i = 0; i < cells; i++) x->place[s->lattice->cell[i]] = i;
     for (int f = 0; f < QUANTITIES; f++) {
         x->valued[f] = NAN;
-        for (int k = 0; k < components(s, f); k++) TRY(allocate(&x->value[f][k], cells, sizeof(double), "fields"));
+        for (int k = 0; k < components(s, f); k++)
+            TRY(pool_take(&x->pool, &x->value[f][k], cells, sizeof(double), "fields"));
     }
     return OK;
 }
@@ -264,9 +266,7 @@ static void medium_free(struct medium *m) {
     grains_state_free(&x->saved);
     grains_start_free(&x->start);
     grains_models_free(x->models);
-    for (int f = 0; f < QUANTITIES; f++)
-        for (int k = 0; k < 3; k++) free(x->value[f][k]);
-    free(x->place);
+    pool_free(&x->pool);
     free(x);
 }
 

@@ -148,11 +148,11 @@ static bool take_lists(struct bytes *b, struct grains_state *s) {
 }
 
 static status allocate_lists(struct grains_state *s) {
-    TRY(allocate(&s->grain, s->n, sizeof *s->grain, "grains"));
-    TRY(allocate(&s->event, s->n, sizeof *s->event, "events"));
-    TRY(allocate(&s->id, s->n, sizeof *s->id, "grains"));
-    TRY(allocate(&s->sums[0], s->nsums, sizeof(double), "averages"));
-    return allocate(&s->sums[1], s->nsums, sizeof(double), "averages");
+    TRY(pool_take(&s->pool, &s->grain, s->n, sizeof *s->grain, "grains"));
+    TRY(pool_take(&s->pool, &s->event, s->n, sizeof *s->event, "events"));
+    TRY(pool_take(&s->pool, &s->id, s->n, sizeof *s->id, "grains"));
+    TRY(pool_take(&s->pool, &s->sums[0], s->nsums, sizeof(double), "averages"));
+    return pool_take(&s->pool, &s->sums[1], s->nsums, sizeof(double), "averages");
 }
 
 /* Is the state sound: does each grain have a place of its own, and a partner that exists? */
@@ -200,10 +200,6 @@ status grains_state_read(const char *path, struct grains_state *out) {
 }
 
 void grains_state_free(struct grains_state *s) {
-    free(s->grain);
-    free(s->event);
-    free(s->id);
-    free(s->sums[0]);
-    free(s->sums[1]);
+    pool_free(&s->pool);
     *s = (struct grains_state){.n = 0};
 }

@@ -5,6 +5,7 @@
 #ifndef SOLVERS_GRAINS_STATE_H
 #define SOLVERS_GRAINS_STATE_H
 
+#include "mesh/base/pool.h"
 #include "mesh/format/foamfile.h"
 #include "solvers/grains/grains_averages.h"
 
@@ -21,7 +22,8 @@ struct grains_state {
     struct averages_mark mark;
     double grid[16]; /* struct coarse_grid of the sums, as numbers */
     long nsums;
-    double *sums[2]; /* [nsums]: running window, last complete one */
+    double *sums[2];  /* [nsums]: running window, last complete one */
+    struct pool pool; /* has the lists of a state that was read */
 };
 /* Were the events predicted under this box and law? */
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law);

@@ -14,7 +14,8 @@ struct item { /* a face of a part; group: INSIDE, a patch of the case, or a proc
     int group, face, cell, across;
 };
 enum { INSIDE = -1 };
-struct cutter { /* scratch while the parts are made */
+struct cutter {                 /* scratch while the parts are made */
+    struct pool *pool, scratch; /* that of the decomposition; what has the lists below */
     const struct polymesh *mesh;
     int *owner_part; /* [ncells] part */
     int *local;      /* [ncells] cell in its part */
@@ -109,8 +110,8 @@ static status make_faces(const struct cutter *c, int n, struct part *part) {
     TRY(allocate(&m->face_points, corners, sizeof(int), "faces"));
     TRY(allocate(&m->owner, n, sizeof(int), "faces"));
     TRY(allocate(&m->neighbour, n, sizeof(int), "faces"));
-    TRY(allocate(&part->face, n, sizeof(int), "faces"));
-    TRY(allocate(&part->across, n, sizeof(int), "faces"));
+    TRY(pool_take(c->pool, &part->face, n, sizeof(int), "faces"));
+    TRY(pool_take(c->pool, &part->across, n, sizeof(int), "faces"));
     m->nfaces = n;
     for (int i = 0; i < n; i++) {
         const struct item *t = &c->item[i];
@@ -137,7 +138,7 @@ static status make_points(const struct cutter *c, int n, struct part *part) {
     for (int i = 0; i < all->npoints; i++)
         if (c->point[i] == 0) c->point[i] = m->npoints++;
     TRY(allocate(&m->points, 3L * m->npoints, sizeof(double), "points"));
-    TRY(allocate(&part->point, m->npoints, sizeof(int), "points"));
+    TRY(pool_take(c->pool, &part->point, m->npoints, sizeof(int), "points"));
     for (int i = 0; i < all->npoints; i++) {
         if (c->point[i] < 0) continue;
         memcpy(m->points + 3L * c->point[i], all->points + 3L * i, 3 * sizeof(double));
@@ -151,7 +152,7 @@ static status make_part(const struct cutter *c, int number, struct part *part) {
     TRY(allocate(&part->mesh, 1, sizeof *part->mesh, "a part of the mesh"));
     part->npatches = all->npatches;
     for (int i = 0; i < all->ncells; i++) part->mesh->ncells += c->owner_part[i] == number;
-    TRY(allocate(&part->cell, part->mesh->ncells, sizeof(int), "cells"));
+    TRY(pool_take(c->pool, &part->cell, part->mesh->ncells, sizeof(int), "cells"));
     for (int i = 0, k = 0; i < all->ncells; i++)
         if (c->owner_part[i] == number) {
             part->cell[k] = i;
@@ -276,10 +277,10 @@ static status write_mesh(const struct setup *s, const struct part *part) {
 
 static status make_all(const struct setup *s, struct cutter *c, struct decomposition *d) {
     const struct polymesh *m = s->mesh;
-    TRY(allocate(&c->local, m->ncells, sizeof(int), "cells"));
-    TRY(allocate(&c->point, m->npoints, sizeof(int), "points"));
-    TRY(allocate(&c->item, m->nfaces, sizeof *c->item, "faces"));
-    TRY(allocate(&d->part, d->n, sizeof *d->part, "parts of the mesh"));
+    TRY(pool_take(&c->scratch, &c->local, m->ncells, sizeof(int), "cells"));
+    TRY(pool_take(&c->scratch, &c->point, m->npoints, sizeof(int), "points"));
+    TRY(pool_take(&c->scratch, &c->item, m->nfaces, sizeof *c->item, "faces"));
+    TRY(pool_take(&d->pool, &d->part, d->n, sizeof *d->part, "parts of the mesh"));
     for (int k = 0; k < d->n; k++) {
         snprintf(d->part[k].dir, TIME_PATH, "%.4000s/processor%d", s->dir, k);
         TRY(make_part(c, k, &d->part[k]));
@@ -303,7 +304,7 @@ static status find_parts(const struct setup *s, struct cutter *c, struct decompo
         for (int i = 0; i < g->block[b].ncells; i++) mine[n++] = g->block[b].cell[i];
     e = comm_gather_int(s->comm, mine, n, &cells, &total);
     if (!e) e = comm_gather_int(s->comm, &count, 1, &counts, &ranks);
-    if (!e && comm_root(s->comm)) e = allocate(&c->owner_part, total, sizeof(int), "cells");
+    if (!e && comm_root(s->comm)) e = pool_take(&c->scratch, &c->owner_part, total, sizeof(int), "cells");
     for (long r = 0, at = 0; !e && comm_root(s->comm) && r < ranks; r++) {
         for (int i = 0; i < counts[r]; i++) c->owner_part[cells[at++]] = d->n;
         d->n += counts[r] > 0;
@@ -319,13 +320,11 @@ status decompose_make(const struct setup *s, struct decomposition **out) {
     struct decomposition *d = NULL;
     *out = NULL;
     TRY(allocate(&d, 1, sizeof *d, "parts of the mesh"));
+    c.pool = &d->pool;
     status e = comm_agree(s->comm, setup_complete(s));
     if (!e) e = find_parts(s, &c, d);
     if (!e && comm_root(s->comm)) e = make_all(s, &c, d);
-    free(c.owner_part);
-    free(c.local);
-    free(c.point);
-    free(c.item);
+    pool_free(&c.scratch);
     e = comm_agree(s->comm, e);
     if (!e && comm_root(s->comm))
         *out = d;
@@ -336,14 +335,8 @@ status decompose_make(const struct setup *s, struct decomposition **out) {
 
 void decompose_free(struct decomposition *d) {
     if (!d) return;
-    for (int k = 0; d->part && k < d->n; k++) {
-        polymesh_free(d->part[k].mesh);
-        free(d->part[k].cell);
-        free(d->part[k].face);
-        free(d->part[k].across);
-        free(d->part[k].point);
-    }
-    free(d->part);
+    for (int k = 0; d->part && k < d->n; k++) polymesh_free(d->part[k].mesh);
+    pool_free(&d->pool);
     free(d);
 }
 

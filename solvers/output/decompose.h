@@ -4,6 +4,7 @@
 #ifndef SOLVERS_DECOMPOSE_H
 #define SOLVERS_DECOMPOSE_H
 
+#include "mesh/base/pool.h"
 #include "solvers/case/case.h"
 
 struct part {
@@ -22,6 +23,7 @@ static inline int part_beyond(const struct part *p) {
     return p->npatches < p->mesh->npatches ? p->mesh->patch[p->npatches].start : p->mesh->nfaces;
 }
 struct decomposition {
+    struct pool pool; /* has the lists */
     int n;
     struct part *part;
 };

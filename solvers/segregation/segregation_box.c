@@ -6,7 +6,6 @@
 #include "libcore/models/boundary.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct builder {
@@ -206,7 +205,7 @@ static status make_arrays(const struct builder *a) {
     b->cells = a->p->nown;
     b->lattice.dim = l->dim;
     b->lattice.comm = s->comm;
-    if (a->flow->density) TRY(allocate(&b->weight, b->cells, sizeof(double), "a lattice"));
+    if (a->flow->density) TRY(pool_take(b->pool, &b->weight, b->cells, sizeof(double), "a lattice"));
     for (long i = 0; b->weight && i < b->cells; i++) b->weight[i] = 1;
     b->lattice.capacity = b->weight;
     if (law) {
@@ -218,13 +217,13 @@ static status make_arrays(const struct builder *a) {
         b->lattice.width[k] = l->width[k];
         if (k >= l->dim) continue;
         const long faces = b->cells / b->lattice.n[k] * (b->lattice.n[k] + 1);
-        TRY(allocate(&b->u[k], faces, sizeof(double), "faces"));
-        TRY(allocate(&b->f[k], faces, sizeof(double), "faces"));
-        TRY(allocate(&b->D[k], faces, sizeof(double), "faces"));
-        TRY(allocate(&b->value[k], faces, sizeof(double), "faces"));
-        TRY(allocate(&b->open[k], faces, sizeof(bool), "faces"));
-        TRY(allocate(&b->fixed[k], faces, sizeof(bool), "faces"));
-        if (law) TRY(allocate(&b->around[k], 5 * faces, sizeof(double), "faces"));
+        TRY(pool_take(b->pool, &b->u[k], faces, sizeof(double), "faces"));
+        TRY(pool_take(b->pool, &b->f[k], faces, sizeof(double), "faces"));
+        TRY(pool_take(b->pool, &b->D[k], faces, sizeof(double), "faces"));
+        TRY(pool_take(b->pool, &b->value[k], faces, sizeof(double), "faces"));
+        TRY(pool_take(b->pool, &b->open[k], faces, sizeof(bool), "faces"));
+        TRY(pool_take(b->pool, &b->fixed[k], faces, sizeof(bool), "faces"));
+        if (law) TRY(pool_take(b->pool, &b->around[k], 5 * faces, sizeof(double), "faces"));
         b->lattice.cyclic[k] = l->periodic[k] && l->n[k] > 1; /* on an axis of one cell the flux out is the flux in */
         b->lattice.u[k] = b->u[k];
         b->lattice.f[k] = b->f[k];
@@ -254,26 +253,13 @@ static status make_solenoidal(struct segregation_box *b) {
     return b->flows ? face_flow_project(&flow, &b->change) : OK;
 }
 
-status segregation_box_make(const struct setup *s, const struct segregation_models *m,
+status segregation_box_make(struct pool *pool, const struct setup *s, const struct segregation_models *m,
                             const struct segregation_places *p, const struct field *phi,
                             const struct segregation_flow *flow, struct segregation_box *out) {
     const struct builder a = {s, m, p, phi, flow, out};
-    *out = (struct segregation_box){.models = m};
+    *out = (struct segregation_box){.pool = pool, .models = m};
     status e = make_arrays(&a);
     if (!e) e = fill(&a);
     TRY(comm_agree(s->comm, e));
     return status_note(make_solenoidal(out), "%s: the flow of %s", s->dir, flow->source);
-}
-
-void segregation_box_free(struct segregation_box *b) {
-    free(b->weight);
-    for (int k = 0; k < 3; k++) {
-        free(b->u[k]);
-        free(b->f[k]);
-        free(b->D[k]);
-        free(b->value[k]);
-        free(b->open[k]);
-        free(b->fixed[k]);
-        free(b->around[k]);
-    }
 }

@@ -6,10 +6,12 @@
 
 #include "libcore/segregation/segregation_lattice.h"
 #include "libcore/segregation/solenoidal.h"
+#include "mesh/base/pool.h"
 #include "solvers/case/case.h"
 #include "solvers/segregation/segregation_flow.h"
 
 struct segregation_box {
+    struct pool *pool;                  /* has the lists */
     struct segregation_lattice lattice; /* the slab of this rank */
     long cells;                         /* number of places in the slab, holes included */
     /* [faces] of each axis; weight: [cells] capacity, kg/m^3; NULL: 1 */
@@ -25,10 +27,9 @@ struct segregation_box {
 };
 /* Fails unless the mesh and the choices are those that segregation on a lattice takes. */
 status segregation_box_check(const struct setup *s, const struct segregation_models *m);
-/* Fills *out for the field phi as it was read; call segregation_box_free after success and failure. Collective. */
-status segregation_box_make(const struct setup *s, const struct segregation_models *m,
+/* Fills *out for the field phi as it was read; its lists are in the pool. Collective. */
+status segregation_box_make(struct pool *pool, const struct setup *s, const struct segregation_models *m,
                             const struct segregation_places *p, const struct field *phi,
                             const struct segregation_flow *flow, struct segregation_box *out);
-void segregation_box_free(struct segregation_box *b);
 
 #endif

@@ -85,22 +85,22 @@ static status move_to_walls(const struct setup *s, struct segregation_setup *l) 
     return OK;
 }
 
-status segregation_setup_make(const struct setup *s, const struct segregation_models *m,
+status segregation_setup_make(struct pool *pool, const struct setup *s, const struct segregation_models *m,
                               struct segregation_setup *out) {
     const int n = s->mesh->ncells;
-    *out = (struct segregation_setup){.axis = s->axis[0], .models = m};
+    *out = (struct segregation_setup){.pool = pool, .axis = s->axis[0], .models = m};
     if (s->dim != 1)
         return fail(ERR_INPUT,
                     "%s: %d axes are solved; granularSegregation takes lines of cells, with "
                     "'empty' patches along the other axes",
                     s->mesh_path, s->dim);
-    TRY(allocate(&out->cell, n, sizeof(int), "a line"));
-    TRY(allocate(&out->place, n, sizeof(int), "a line"));
-    TRY(allocate(&out->centre, 3L * n, sizeof(double), "a line"));
-    TRY(allocate(&out->face, n + 1, sizeof(double), "a line"));
-    TRY(allocate(&out->node, n, sizeof(double), "a line"));
-    TRY(allocate(&out->speed, n, sizeof(double), "a line"));
-    TRY(allocate(&out->diffusivity, n + 1, sizeof(double), "a line"));
+    TRY(pool_take(pool, &out->cell, n, sizeof(int), "a line"));
+    TRY(pool_take(pool, &out->place, n, sizeof(int), "a line"));
+    TRY(pool_take(pool, &out->centre, 3L * n, sizeof(double), "a line"));
+    TRY(pool_take(pool, &out->face, n + 1, sizeof(double), "a line"));
+    TRY(pool_take(pool, &out->node, n, sizeof(double), "a line"));
+    TRY(pool_take(pool, &out->speed, n, sizeof(double), "a line"));
+    TRY(pool_take(pool, &out->diffusivity, n + 1, sizeof(double), "a line"));
     memcpy(out->centre, s->centre, 3 * (size_t)n * sizeof(double));
     memcpy(out->origin, s->centre, 3 * sizeof(double));
     TRY(order_cells(s, out));
@@ -127,7 +127,7 @@ static void diffusivity_law(const void *context, int nfaces, const double *phi, 
 /* Sets the shear rate on each face to the mean of both cells. */
 static status set_shear_rate(struct segregation_setup *l, const double *cells) {
     const int n = l->line.n;
-    TRY(allocate(&l->shear_rate, n + 1, sizeof(double), "a line"));
+    TRY(pool_take(l->pool, &l->shear_rate, n + 1, sizeof(double), "a line"));
     for (int i = 0; i <= n; i++)
         l->shear_rate[i] = 0.5 * (cells[l->cell[i > 0 ? i - 1 : 0]] + cells[l->cell[i < n ? i : n - 1]]);
     return OK;
@@ -172,15 +172,4 @@ status segregation_setup_laws(const struct setup *s, const struct segregation_fl
     }
     if (flow->shear_rate) TRY(set_shear_rate(l, flow->shear_rate));
     return set_diffusivity(l);
-}
-
-void segregation_setup_free(struct segregation_setup *l) {
-    free(l->cell);
-    free(l->place);
-    free(l->centre);
-    free(l->face);
-    free(l->node);
-    free(l->speed);
-    free(l->diffusivity);
-    free(l->shear_rate);
 }

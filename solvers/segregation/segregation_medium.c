@@ -17,6 +17,7 @@ struct mixture {
     struct medium base;
     struct segregation_models *models;
     struct field *field;
+    struct pool pool;
     struct segregation_flow flow;
     struct segregation_setup line; /* used with one solved axis */
     struct segregation *solver;
@@ -103,7 +104,7 @@ static status check_patches(const struct setup *s, const struct field *f) {
 
 static status line_state(struct setup *s, struct mixture *x) {
     TRY(setup_complete(s));
-    TRY(segregation_setup_make(s, x->models, &x->line));
+    TRY(segregation_setup_make(&x->pool, s, x->models, &x->line));
     TRY(segregation_flow_read(s, x->models, NULL, &x->flow));
     TRY(segregation_setup_laws(s, &x->flow, &x->line));
     TRY(read_phi(s, x));
@@ -117,7 +118,7 @@ static status lattice_state(struct setup *s, struct mixture *x) {
     TRY(read_phi(s, x));
     TRY(check_patches(s, x->field));
     TRY(segregation_flow_read(s, x->models, &x->places, &x->flow));
-    TRY(segregation_box_make(s, x->models, &x->places, x->field, &x->flow, &x->box));
+    TRY(segregation_box_make(&x->pool, s, x->models, &x->places, x->field, &x->flow, &x->box));
     return setup_grid(s, false, 1);
 }
 
@@ -160,7 +161,7 @@ static status content(const struct mixture *x, double *out) {
 
 static status start_line(struct mixture *x) {
     const struct segregation_line *l = &x->line.line;
-    TRY(allocate(&x->phi, l->n, sizeof(double), "phi"));
+    TRY(pool_take(&x->pool, &x->phi, l->n, sizeof(double), "phi"));
     TRY(segregation_make(l, &x->models->scheme, &x->solver));
     for (int i = 0; i < l->n; i++) x->phi[x->line.place[i]] = x->field->values[i];
     for (int i = 0; i < l->n; i++) x->rate = fmax(x->rate, fabs(l->speed[i]) / (l->face[i + 1] - l->face[i]));
@@ -172,7 +173,7 @@ static status start_lattice(struct mixture *x) {
     double *all;
     TRY(segregation_field_make(&x->box.lattice, &x->carried));
     TRY(segregation_places_fetch(p, 1, x->field->values, &all));
-    status e = allocate(&x->phi, p->nown, sizeof(double), "phi");
+    status e = pool_take(&x->pool, &x->phi, p->nown, sizeof(double), "phi");
     if (!e) memcpy(x->phi, all + p->own_first, (size_t)p->nown * sizeof *all);
     free(all);
     x->rate = segregation_field_rate(x->carried);
@@ -195,14 +196,11 @@ static void mixture_free(struct medium *m) {
     struct mixture *x = of(m);
     segregation_free(x->solver);
     segregation_field_free(x->carried);
-    segregation_setup_free(&x->line);
-    segregation_box_free(&x->box);
     segregation_places_free(&x->places);
-    for (int k = 0; k < QUANTITIES; k++) free(x->ready[k]);
     segregation_flow_free(&x->flow);
     segregation_models_free(x->models);
     field_free(x->field);
-    free(x->phi);
+    pool_free(&x->pool);
     free(x);
 }
 
@@ -361,7 +359,8 @@ static status mixture_derive(struct medium *m, int quantity) {
     status e = allocate(&own, p->nown, sizeof *own, "a field of a slab");
     if (!e) e = allocate(&slice, p->share.end - p->share.first, sizeof *slice, "a slice of a field");
     if (!e && !x->ready[quantity])
-        e = allocate(&x->ready[quantity], n * lines_of(m, quantity), sizeof *own, "a field of this rank's blocks");
+        e = pool_take(&x->pool, &x->ready[quantity], n * lines_of(m, quantity), sizeof *own,
+                      "a field of this rank's blocks");
     e = comm_agree(m->setup->comm, e);
     for (int k = 0; k < lines_of(m, quantity) && !e; k++)
         e = bring(x, quantity, k, own, slice, x->ready[quantity] + k * n);
