@@ -75,7 +75,8 @@ static double rate_of_cooling(const struct gas *g, double dt, const struct bed_r
     double cooled[BATCH], most = 0;
     if (!source_cools(&m->source, &m->material)) return 0;
     memcpy(cooled, row->eps, (size_t)row->n * sizeof(double));
-    m->source.cooling->step(&m->source.cooling_params, m->eos, &m->material, dt, row->n, row->rho, cooled);
+    const struct closure_line cells = {.eos = m->eos, .material = &m->material, .n = row->n, .rho = row->rho};
+    m->source.cooling->step(&m->source.cooling_params, &cells, dt, cooled);
     for (int i = 0; i < row->n; i++)
         if (row->part[i] >= BED_DENSE) most = larger(most, (row->eps[i] - cooled[i]) / (cooled[i] * dt));
     return most;

@@ -88,8 +88,9 @@ static void surface_temperature(const struct gas *g, const struct patch_rules *r
                                 const double *gap, const double *rho, const double *slip, double *T) {
     const struct gas_models *m = &g->models;
     double bulk[BATCH], shear[BATCH], heat[BATCH], cross[BATCH], none[BATCH] = {0}, share[2][BATCH];
-    m->transport->coefficients(&m->transport_params, m->eos, &m->material, n, rho, T, bulk, shear, heat);
-    if (g->diffusion.terms.cross) m->transport->cross(&m->transport_params, m->eos, &m->material, n, rho, T, cross);
+    const struct closure_line cells = {m->eos, &m->material, n, rho, T, NULL};
+    m->transport->coefficients(&m->transport_params, &cells, bulk, shear, heat);
+    if (g->diffusion.terms.cross) m->transport->cross(&m->transport_params, &cells, cross);
     struct wall_line line = {.n = n,
                              .face = face,
                              .eos = m->eos,

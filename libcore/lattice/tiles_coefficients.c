@@ -74,12 +74,10 @@ static void coefficient_visit(void *context, long offset, int n) {
     for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= warm[i];
     for (int i = 0; i < n && !g->diffusion.ahead; i++) warm[i] = T[i];
     const struct gas_models *m = &g->models;
-    const double *rho = v->U + offset;
-    m->transport->coefficients(&m->transport_params, m->eos, &m->material, n, rho, T, w->p + offset, w->c + offset,
-                               w->gruneisen + offset);
-    if (v->cross) m->transport->cross(&m->transport_params, m->eos, &m->material, n, rho, T, v->cross + offset);
-    if (v->dilation)
-        m->transport->dilation(&m->transport_params, m->eos, &m->material, n, rho, T, v->dilation + offset);
+    const struct closure_line cells = {m->eos, &m->material, n, v->U + offset, T, NULL};
+    m->transport->coefficients(&m->transport_params, &cells, w->p + offset, w->c + offset, w->gruneisen + offset);
+    if (v->cross) m->transport->cross(&m->transport_params, &cells, v->cross + offset);
+    if (v->dilation) m->transport->dilation(&m->transport_params, &cells, v->dilation + offset);
 }
 
 ALWAYS_INLINE double harmonic(double a, double b) {

@@ -45,37 +45,37 @@ KERNEL static void cool_above(int n, double g1, double per_contact, double thres
 }
 
 /* Advances eps by Haff's law with `factor` times its rate. */
-static void cool_by(double factor, const struct eos *eos, const struct material *m, double dt, int n,
-                    const double *restrict rho, double *restrict eps) {
+static void cool_by(double factor, const struct closure_line *cells, double dt, double *restrict eps) {
+    const struct material *m = cells->material;
     const double g1 = m->gamma - 1, losses = 1 - m->restitution * m->restitution;
     const double loss = factor * (cooling_factor(m) * losses / m->diameter);
     double contact[BATCH];
-    eos->contact(m, n, rho, contact);
+    cells->eos->contact(m, cells->n, cells->rho, contact);
     if (m->threshold > 0)
-        cool_above(n, g1, g1 * loss, m->threshold, dt, contact, eps);
+        cool_above(cells->n, g1, g1 * loss, m->threshold, dt, contact, eps);
     else
-        cool(n, g1, g1 * loss, dt, contact, eps);
+        cool(cells->n, g1, g1 * loss, dt, contact, eps);
 }
 
-static void haff(const struct own_params *params, const struct eos *eos, const struct material *m, double dt, int n,
-                 const double *restrict rho, double *restrict eps) {
+static void haff(const struct own_params *params, const struct closure_line *cells, double dt, double *restrict eps) {
     (void)params;
-    cool_by(1, eos, m, dt, n, rho, eps);
+    cool_by(1, cells, dt, eps);
 }
 
 /* Cooling with the second Sonine coefficient a2 (docs/physics.md 3.4; Garzo & Dufty 1999, van Noije & Ernst 1998): the
  * velocities of inelastic grains are not quite Maxwellian, and the rate is 1 + 3 a2/16 of Haff's: 0.997 at e = 0.9 and
  * 1.028 at e = 0.2 for spheres. */
-static void garzo_dufty(const struct own_params *params, const struct eos *eos, const struct material *m, double dt,
-                        int n, const double *restrict rho, double *restrict eps) {
+static void garzo_dufty(const struct own_params *params, const struct closure_line *cells, double dt,
+                        double *restrict eps) {
     (void)params;
-    cool_by(1 + 3. / 16 * second_sonine(m), eos, m, dt, n, rho, eps);
+    cool_by(1 + 3. / 16 * second_sonine(cells->material), cells, dt, eps);
 }
 
 const struct cooling cooling_table[] = {
-    {MODEL("Haff", "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones"), haff},
+    {MODEL("Haff", "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones"),
+     .step = haff},
     {MODEL("GarzoDufty", "Haff's with the second Sonine coefficient of the velocities (Garzo & Dufty 1999)"),
-     garzo_dufty},
+     .step = garzo_dufty},
 };
 const int cooling_count = sizeof cooling_table / sizeof *cooling_table;
 

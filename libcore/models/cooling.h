@@ -15,15 +15,14 @@
 #ifndef LIBCORE_COOLING_H
 #define LIBCORE_COOLING_H
 
-#include "libcore/models/eos.h"
-#include "libcore/models/param.h"
+#include "libcore/models/closure.h"
 
 struct cooling {
     struct model model; /* its parameters fill a struct of the law's own */
-    /* Advances eps (J/kg, > 0) of n <= BATCH cells of density rho by dt (s). For any dt eps stays positive and does not
-     * rise. params: values of the row's parameters. */
-    void (*step)(const struct own_params *params, const struct eos *eos, const struct material *m, double dt, int n,
-                 const double *restrict rho, double *restrict eps);
+    unsigned needs;     /* bits NEEDS_.. of closure.h */
+    /* Advances eps (J/kg, > 0) of a line of cells by dt (s). For any dt eps stays positive and does not rise. params:
+     * values of the row's parameters. */
+    void (*step)(const struct own_params *params, const struct closure_line *cells, double dt, double *restrict eps);
 };
 
 /* Haff without a threshold is exact; with a threshold it is of second order in dt, and within 27 % of the exact value

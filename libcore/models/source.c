@@ -14,7 +14,8 @@ static bool cooling_active(const struct sources *all, const struct material *m) 
 static void cooling_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
                          double *restrict eps) {
     (void)mom;
-    s->all->cooling->step(&s->all->cooling_params, s->eos, s->material, s->dt, n, rho, eps);
+    const struct closure_line cells = {.eos = s->eos, .material = s->material, .n = n, .rho = rho};
+    s->all->cooling->step(&s->all->cooling_params, &cells, s->dt, eps);
 }
 
 /* Gravity, constant or shaken (docs/physics.md 3.1): g(t) = gravity (1 + a(t) cos(2 pi frequency t + phase)). */

@@ -37,16 +37,17 @@ static double packed_density(const struct material *m) {
     return m->alpha_max > 0 ? EOS_PACKING * m->alpha_max / packing_per_density(m) : HUGE_VAL;
 }
 
-static void jenkins_richman(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                            const double *restrict rho, const double *restrict T, double *restrict bulk,
+static void jenkins_richman(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                             double *restrict shear, double *restrict heat) {
+    const struct material *m = cells->material;
+    const int n = cells->n;
     struct jenkins_richman own;
     memcpy(&own, params, sizeof own);
     const double low = own.alpha_min / packing_per_density(m), high = packed_density(m);
     double clipped[BATCH], contact[BATCH];
-    for (int i = 0; i < n; i++) clipped[i] = smaller(larger(rho[i], low), high);
-    eos->contact(m, n, clipped, contact);
-    disks_of_contact(n, m->diameter, own.bulk ? 2 : 1, rho, T, contact, bulk, shear, heat);
+    for (int i = 0; i < n; i++) clipped[i] = smaller(larger(cells->rho[i], low), high);
+    cells->eos->contact(m, n, clipped, contact);
+    disks_of_contact(n, m->diameter, own.bulk ? 2 : 1, cells->rho, cells->T, contact, bulk, shear, heat);
 }
 
 #define PARAM_STRUCT struct jenkins_richman
@@ -118,8 +119,10 @@ struct garzo_line { /* of a batch: nu, X and 1 + L at densities within the range
  * multiplies them, too: grains that cross a thin gas without a collision carry less momentum and heat than the law
  * says. Below alpha_min `share` also multiplies cross, which else would be constant there: heat rises against grad rho
  * because denser gas cools faster, and gas without impacts would get T ~ rho^-0.4 over all decades of rho. */
-static void garzo_state(const struct garzo_dufty *own, const struct eos *eos, const struct material *m, int n,
-                        const double *rho, struct garzo_line *l) {
+static void garzo_state(const struct garzo_dufty *own, const struct closure_line *cells, struct garzo_line *l) {
+    const struct material *m = cells->material;
+    const double *rho = cells->rho;
+    const int n = cells->n;
     const double per = packing_per_density(m), low = larger(own->alpha_min / per, 1e-200);
     const double high = packed_density(m);
     double clipped[BATCH];
@@ -129,8 +132,8 @@ static void garzo_state(const struct garzo_dufty *own, const struct eos *eos, co
         l->share[i] = rho[i] / clipped[i];
         l->cut[i] = per * rho[i] / (per * rho[i] + own->knudsen + 1e-300);
     }
-    eos->contact(m, n, clipped, l->X);
-    eos->slope(m, n, clipped, l->steep);
+    cells->eos->contact(m, n, clipped, l->X);
+    cells->eos->slope(m, n, clipped, l->steep);
     for (int i = 0; i < n; i++) l->steep[i] /= l->X[i];
 }
 
@@ -161,32 +164,32 @@ KERNEL static void garzo_crossing(int n, const struct garzo_constants *c, const 
     }
 }
 
-static void garzo_coefficients(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                               const double *restrict rho, const double *restrict T, double *restrict bulk,
+static void garzo_coefficients(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                                double *restrict shear, double *restrict heat) {
-    const struct garzo_constants c = garzo_constants_of(m);
+    const struct garzo_constants c = garzo_constants_of(cells->material);
     struct garzo_dufty own;
     struct garzo_line l;
     memcpy(&own, params, sizeof own);
-    garzo_state(&own, eos, m, n, rho, &l);
-    garzo_viscosities(n, &c, &l, T, bulk, shear, heat);
+    garzo_state(&own, cells, &l);
+    garzo_viscosities(cells->n, &c, &l, cells->T, bulk, shear, heat);
 }
 
-static void garzo_cross(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                        const double *restrict rho, const double *restrict T, double *restrict cross) {
-    const struct garzo_constants c = garzo_constants_of(m);
+static void garzo_cross(const struct own_params *params, const struct closure_line *cells, double *restrict cross) {
+    const struct garzo_constants c = garzo_constants_of(cells->material);
     struct garzo_dufty own;
     struct garzo_line l;
     memcpy(&own, params, sizeof own);
-    garzo_state(&own, eos, m, n, rho, &l);
-    garzo_crossing(n, &c, &l, packing_per_density(m), T, cross);
+    garzo_state(&own, cells, &l);
+    garzo_crossing(cells->n, &c, &l, packing_per_density(cells->material), cells->T, cross);
 }
 
 /* The cooling rate of a gas that is compressed depends on the divergence of the velocity (docs/physics.md 4.4): its
  * term zeta_U div u takes the heat rho T/(gamma - 1) zeta_U div u per volume and time. Most of zeta_U is geometry, the
  * rest the change of the fourth moment of the velocities (taken for a2 = 0). */
-static void garzo_dilation(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                           const double *restrict rho, const double *restrict T, double *restrict dilation) {
+static void garzo_dilation(const struct own_params *params, const struct closure_line *cells,
+                           double *restrict dilation) {
+    const struct material *m = cells->material;
+    const int n = cells->n;
     const double e = m->restitution, d = m->disks ? 2 : 3, two = m->disks ? 1 : 2, losses = 1 - e * e;
     const double z = (d + 2) / (4 * d) * losses;
     const double moment = (1 + e) * (56 * d + 73 - (105 + 24 * d) * e + 30 * e * e * (1 - e)) / (64 * d);
@@ -197,9 +200,9 @@ static void garzo_dilation(const struct own_params *params, const struct eos *eo
     const double per_contact = -3 * two / d * losses + (own.zeta_u == ZETA_FULL ? fourth : 0);
     const double high = packed_density(m);
     double clipped[BATCH], X[BATCH];
-    for (int i = 0; i < n; i++) clipped[i] = smaller(rho[i], high);
-    eos->contact(m, n, clipped, X);
-    for (int i = 0; i < n; i++) dilation[i] = per_contact * X[i] * rho[i] * eps_of(m, T[i]);
+    for (int i = 0; i < n; i++) clipped[i] = smaller(cells->rho[i], high);
+    cells->eos->contact(m, n, clipped, X);
+    for (int i = 0; i < n; i++) dilation[i] = per_contact * X[i] * cells->rho[i] * eps_of(m, cells->T[i]);
 }
 
 static struct transport_terms garzo_terms(const struct own_params *params) {

@@ -7,7 +7,7 @@
 #ifndef LIBCORE_TRANSPORT_H
 #define LIBCORE_TRANSPORT_H
 
-#include "libcore/models/eos.h"
+#include "libcore/models/closure.h"
 
 enum grains_shape { GRAINS_DISKS = 1, GRAINS_SPHERES = 2, GRAINS_BOTH = GRAINS_DISKS | GRAINS_SPHERES };
 static inline enum grains_shape shape_of(const struct material *m) {
@@ -23,19 +23,17 @@ struct transport_terms {  /* terms of a law besides stress and q = -heat grad T 
 struct transport {
     struct model model;      /* its parameters fill a struct of the law's own */
     enum grains_shape valid; /* the grains that the law is for */
-    /* Computes the coefficients (kg/(m s), for disks kg/s) of n <= BATCH states (rho > 0, T > 0). params: values of
-     * the row's parameters. */
-    void (*coefficients)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                         const double *restrict rho, const double *restrict T, double *restrict bulk,
+    unsigned needs;          /* bits NEEDS_.. of closure.h */
+    /* Computes the coefficients (kg/(m s), for disks kg/s) of a line of cells. params: values of the row's
+     * parameters. */
+    void (*coefficients)(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                          double *restrict shear, double *restrict heat);
     /* Returns the terms that the law has with these parameters, besides stress and q = -heat grad T; NULL: none. */
     struct transport_terms (*terms)(const struct own_params *params);
     /* Compute cross (m^4/s^3, for disks m^3/s^3) and dilation (Pa, for disks N/m), as coefficients. NULL: terms never
      * asks for them. */
-    void (*cross)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                  const double *restrict rho, const double *restrict T, double *restrict cross);
-    void (*dilation)(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                     const double *restrict rho, const double *restrict T, double *restrict dilation);
+    void (*cross)(const struct own_params *params, const struct closure_line *cells, double *restrict cross);
+    void (*dilation)(const struct own_params *params, const struct closure_line *cells, double *restrict dilation);
 };
 
 /* Returns the terms of a law; without a law there are none. */

@@ -14,9 +14,11 @@ void cells_cross_coefficients(struct gas *g, const double *rho) {
     struct cells_diffuser *d = g->cells->diffuser;
     const struct gas_models *m = &g->models;
     const int size = g->cells->polyhedra->size;
-    for (int at = 0; at < size; at += BATCH)
-        m->transport->cross(&m->transport_params, m->eos, &m->material, size - at < BATCH ? size - at : BATCH, rho + at,
-                            d->T + at, d->start[0] + at);
+    for (int at = 0; at < size; at += BATCH) {
+        const int n = size - at < BATCH ? size - at : BATCH;
+        const struct closure_line cells = {m->eos, &m->material, n, rho + at, d->T + at, NULL};
+        m->transport->cross(&m->transport_params, &cells, d->start[0] + at);
+    }
 }
 
 /* The gradients of rho in the cells, to d->gradient, where faces need them. Beyond walls that conduct rho has the slope

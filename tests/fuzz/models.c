@@ -69,11 +69,12 @@ static void try_eos(const struct gas_models *g, const struct states *s) {
 
 static void try_cooling(const struct gas_models *g, const struct states *s) {
     static const double dt[] = {0, 1e-12, 1e-3, 1, 1e6};
+    const struct closure_line cells = {g->eos, &g->material, N, s->rho, NULL, s->T};
     const struct sources *q = &g->source;
     for (int k = 0; q->cooling && k < 5; k++) {
         double eps[N];
         memcpy(eps, s->eps, sizeof eps);
-        q->cooling->step(&q->cooling_params, g->eos, &g->material, dt[k], N, s->rho, eps);
+        q->cooling->step(&q->cooling_params, &cells, dt[k], eps);
         for (int i = 0; i < N; i++) PROMISE(eps[i] > 0 && eps[i] <= s->eps[i], "impacts cool, and never to zero");
         for (int i = 0; i < N; i++)
             PROMISE(dt[k] > 0 || fabs(eps[i] / s->eps[i] - 1) < 1e-15, "no time changes nothing");
@@ -83,18 +84,19 @@ static void try_cooling(const struct gas_models *g, const struct states *s) {
 static void try_transport(const struct gas_models *g, const struct states *s) {
     const struct transport *t = g->transport;
     double bulk[N], shear[N], heat[N];
+    const struct closure_line cells = {g->eos, &g->material, N, s->rho, s->T, s->T};
     if (!t || !are_tame(&t->model, &g->transport_params)) return;
     const struct transport_terms terms = transport_terms(t, &g->transport_params);
-    t->coefficients(&g->transport_params, g->eos, &g->material, N, s->rho, s->T, bulk, shear, heat);
+    t->coefficients(&g->transport_params, &cells, bulk, shear, heat);
     promise_range(bulk, 0, "bulk viscosity is not negative");
     promise_range(shear, 0, "shear viscosity is not negative");
     promise_range(heat, 0, "conductivity is not negative");
     if (terms.cross) {
-        t->cross(&g->transport_params, g->eos, &g->material, N, s->rho, s->T, bulk);
+        t->cross(&g->transport_params, &cells, bulk);
         promise_range(bulk, -HUGE_VAL, "the coefficient of grad rho is a number");
     }
     if (terms.dilation) {
-        t->dilation(&g->transport_params, g->eos, &g->material, N, s->rho, s->T, bulk);
+        t->dilation(&g->transport_params, &cells, bulk);
         promise_range(bulk, -HUGE_VAL, "the coefficient of div u is a number");
     }
 }

@@ -25,11 +25,11 @@ static inline void manufactured_fields(const double x[3], double *rho, double u[
 }
 
 /* A law for any grains, in which each coefficient depends on rho and T in a way of its own. */
-static inline void manufactured_law(const struct own_params *params, const struct eos *eos, const struct material *m,
-                                    int n, const double *restrict rho, const double *restrict T, double *restrict bulk,
-                                    double *restrict shear, double *restrict heat) {
-    (void)params, (void)eos, (void)m;
-    for (int i = 0; i < n; i++) {
+static inline void manufactured_law(const struct own_params *params, const struct closure_line *cells,
+                                    double *restrict bulk, double *restrict shear, double *restrict heat) {
+    const double *rho = cells->rho, *T = cells->T;
+    (void)params;
+    for (int i = 0; i < cells->n; i++) {
         bulk[i] = 0.4 * rho[i] * T[i];
         shear[i] = 0.3 * rho[i] * rho[i] * sqrt(T[i]);
         heat[i] = 1.1 * T[i] / rho[i];
@@ -37,18 +37,18 @@ static inline void manufactured_law(const struct own_params *params, const struc
 }
 
 /* The other terms: of the size that they have in inelastic spheres, beside the law above. */
-static inline void manufactured_cross(const struct own_params *params, const struct eos *eos, const struct material *m,
-                                      int n, const double *restrict rho, const double *restrict T,
+static inline void manufactured_cross(const struct own_params *params, const struct closure_line *cells,
                                       double *restrict cross) {
-    (void)params, (void)eos, (void)m;
-    for (int i = 0; i < n; i++) cross[i] = 0.7 * T[i] * sqrt(T[i]) / rho[i];
+    const double *rho = cells->rho, *T = cells->T;
+    (void)params;
+    for (int i = 0; i < cells->n; i++) cross[i] = 0.7 * T[i] * sqrt(T[i]) / rho[i];
 }
 
-static inline void manufactured_dilation(const struct own_params *params, const struct eos *eos,
-                                         const struct material *m, int n, const double *restrict rho,
-                                         const double *restrict T, double *restrict dilation) {
-    (void)params, (void)eos, (void)m;
-    for (int i = 0; i < n; i++) dilation[i] = -0.6 * rho[i] * rho[i] * T[i];
+static inline void manufactured_dilation(const struct own_params *params, const struct closure_line *cells,
+                                         double *restrict dilation) {
+    const double *rho = cells->rho, *T = cells->T;
+    (void)params;
+    for (int i = 0; i < cells->n; i++) dilation[i] = -0.6 * rho[i] * rho[i] * T[i];
 }
 
 static inline struct transport_terms manufactured_terms(const struct own_params *params) {
@@ -109,7 +109,9 @@ static inline void manufactured_diffusion(const struct manufactured *m, const do
     const int k = m->axis, energy = m->components + 1;
     double rho, u[3], T, bulk, shear, heat, cross, steep, spread = 0;
     manufactured_fields(x, &rho, u, &T);
-    models->transport->coefficients(&models->transport_params, models->eos, grains, 1, &rho, &T, &bulk, &shear, &heat);
+    models->transport->coefficients(&models->transport_params,
+                                    &(struct closure_line){models->eos, grains, 1, &rho, &T, NULL}, &bulk, &shear,
+                                    &heat);
     for (int a = 0; a < m->dim; a++) spread += a == k || !terms.diagonal ? d[a][a] : 0;
     for (int c = 0; c < m->components; c++) {
         const double lambda = bulk - (grains->disks ? 1 : 2. / 3) * shear;
@@ -120,7 +122,8 @@ static inline void manufactured_diffusion(const struct manufactured *m, const do
     }
     out[energy] -= heat * d[k][3];
     if (!terms.cross) return;
-    models->transport->cross(&models->transport_params, models->eos, grains, 1, &rho, &T, &cross);
+    models->transport->cross(&models->transport_params, &(struct closure_line){models->eos, grains, 1, &rho, &T, NULL},
+                             &cross);
     manufactured_derivative(manufactured_density, NULL, 1, k, x, &steep);
     out[energy] -= cross * steep;
 }
@@ -156,7 +159,8 @@ static inline double manufactured_dilated(const struct gas_models *models, int d
         manufactured_derivative(manufactured_velocity_and_temperature, NULL, 4, a, x, d);
         spread += d[a];
     }
-    models->transport->dilation(&models->transport_params, models->eos, &models->material, 1, &rho, &T, &dilation);
+    models->transport->dilation(&models->transport_params,
+                                &(struct closure_line){models->eos, &models->material, 1, &rho, &T, NULL}, &dilation);
     return dilation * spread;
 }
 

@@ -9,11 +9,10 @@ static struct comm *world;
 enum { N = 32, WIDE = 4 };
 
 static const double SLOW = 0.7, FAST = 70; /* viscosity, heat conductivity */
-static void law(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                const double *restrict rho, const double *restrict T, double *restrict bulk, double *restrict shear,
-                double *restrict heat) {
-    (void)params, (void)eos, (void)m, (void)rho, (void)T;
-    for (int i = 0; i < n; i++) {
+static void law(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
+                double *restrict shear, double *restrict heat) {
+    (void)params;
+    for (int i = 0; i < cells->n; i++) {
         bulk[i] = shear[i] = SLOW;
         heat[i] = FAST;
     }
@@ -228,12 +227,11 @@ static void sources_and_conduction_are_of_second_order(void **state) {
 
 /* Viscous columns between others that are not: through the faces of the first only those parts of the stress of a
  * flow that turns pass that take from T, of which there is little. */
-static void law_of_stripes(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                           const double *restrict rho, const double *restrict T, double *restrict bulk,
+static void law_of_stripes(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                            double *restrict shear, double *restrict heat) {
-    (void)params, (void)eos, (void)m, (void)T;
-    for (int i = 0; i < n; i++) {
-        bulk[i] = shear[i] = rho[i] > 1.5 ? SLOW : 1e-3 * SLOW;
+    (void)params;
+    for (int i = 0; i < cells->n; i++) {
+        bulk[i] = shear[i] = cells->rho[i] > 1.5 ? SLOW : 1e-3 * SLOW;
         heat[i] = 1e-4;
     }
 }

@@ -9,11 +9,10 @@ enum { NX = 24, NY = 18, CELLS = NX * NY, SPOT = 3 * NX + 5 };
 static const char *const schemes[] = {"RKJ2", "RKL2", "explicit", "implicit"};
 
 static double factor; /* of all coefficients */
-static void sticky_law(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                       const double *restrict rho, const double *restrict T, double *restrict bulk,
+static void sticky_law(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                        double *restrict shear, double *restrict heat) {
-    (void)params, (void)eos, (void)m, (void)rho, (void)T;
-    for (int i = 0; i < n; i++) bulk[i] = shear[i] = heat[i] = factor;
+    (void)params;
+    for (int i = 0; i < cells->n; i++) bulk[i] = shear[i] = heat[i] = factor;
 }
 static const struct transport STICKY = {.coefficients = sticky_law};
 

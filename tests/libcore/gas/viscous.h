@@ -12,37 +12,35 @@
 
 static const double BULK_VISCOSITY = 0.4, VISCOSITY = 0.7, CONDUCTION = 1.1;
 
-static inline void constant_law(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                                const double *restrict rho, const double *restrict T, double *restrict bulk,
-                                double *restrict shear, double *restrict heat) {
-    (void)params, (void)eos, (void)m, (void)rho, (void)T;
-    for (int i = 0; i < n; i++) {
+static inline void constant_law(const struct own_params *params, const struct closure_line *cells,
+                                double *restrict bulk, double *restrict shear, double *restrict heat) {
+    (void)params;
+    for (int i = 0; i < cells->n; i++) {
         bulk[i] = BULK_VISCOSITY;
         shear[i] = VISCOSITY;
         heat[i] = CONDUCTION;
     }
 }
 /* Coefficients that do not change with T or u: what is left in time is the schemes. */
-static inline void density_law(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                               const double *restrict rho, const double *restrict T, double *restrict bulk,
+static inline void density_law(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                                double *restrict shear, double *restrict heat) {
-    (void)params, (void)eos, (void)m, (void)T;
-    for (int i = 0; i < n; i++) {
+    const double *rho = cells->rho;
+    (void)params;
+    for (int i = 0; i < cells->n; i++) {
         bulk[i] = 0.4 * rho[i];
         shear[i] = 0.7 * rho[i] * rho[i];
         heat[i] = 1.1 / rho[i];
     }
 }
-static inline void density_cross(const struct own_params *params, const struct eos *eos, const struct material *m,
-                                 int n, const double *restrict rho, const double *restrict T, double *restrict cross) {
-    (void)params, (void)eos, (void)m, (void)T;
-    for (int i = 0; i < n; i++) cross[i] = 0.8 / rho[i];
+static inline void density_cross(const struct own_params *params, const struct closure_line *cells,
+                                 double *restrict cross) {
+    (void)params;
+    for (int i = 0; i < cells->n; i++) cross[i] = 0.8 / cells->rho[i];
 }
-static inline void density_dilation(const struct own_params *params, const struct eos *eos, const struct material *m,
-                                    int n, const double *restrict rho, const double *restrict T,
+static inline void density_dilation(const struct own_params *params, const struct closure_line *cells,
                                     double *restrict dilation) {
-    (void)params, (void)eos, (void)m, (void)T;
-    for (int i = 0; i < n; i++) dilation[i] = -0.5 * rho[i];
+    (void)params;
+    for (int i = 0; i < cells->n; i++) dilation[i] = -0.5 * cells->rho[i];
 }
 static const struct transport CONSTANT = {.coefficients = constant_law}, VARIED = {.coefficients = manufactured_law},
                               OF_DENSITY = {.coefficients = density_law,

@@ -199,7 +199,7 @@ static double turning_error(int dim, int n) {
         bool middle = inside(dim, n, i);
         for (int k = 0; k < dim; k++) middle = middle && fabs(s.centre[3 * i + k] - 0.5) < 0.11;
         if (!middle) continue;
-        manufactured_law(NULL, NULL, NULL, 1, &before[i], &T, &bulk, &viscosity, &heat);
+        manufactured_law(NULL, &(struct closure_line){.n = 1, .rho = &before[i], .T = &T}, &bulk, &viscosity, &heat);
         for (int side = 0; side < 2; side++)
             rise += (side ? 1 : -1) * before[i] * temperature(side ? after : before, dim, s.cells, i) / dt;
         error = fmax(error, fabs(rise - 2 * viscosity * square));

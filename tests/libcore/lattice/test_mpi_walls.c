@@ -7,11 +7,10 @@
 static struct comm *world;
 
 static const double DENSITY = 2;
-static void even(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                 const double *restrict rho, const double *restrict T, double *restrict bulk, double *restrict shear,
-                 double *restrict heat) {
-    constant_law(params, eos, m, n, rho, T, bulk, shear, heat);
-    for (int i = 0; i < n; i++) heat[i] = 1e4;
+static void even(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
+                 double *restrict shear, double *restrict heat) {
+    constant_law(params, cells, bulk, shear, heat);
+    for (int i = 0; i < cells->n; i++) heat[i] = 1e4;
 }
 static const struct transport EVEN = {.coefficients = even}; /* T is the same everywhere */
 
@@ -209,10 +208,9 @@ static double p_rho(void) {
 
 /* A law whose heat flux knows the gradient of rho, too, if `crossing` is not 0. */
 static double crossing;
-static void constant_cross(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                           const double *restrict rho, const double *restrict T, double *restrict cross) {
-    (void)params, (void)eos, (void)m, (void)rho, (void)T;
-    for (int i = 0; i < n; i++) cross[i] = crossing;
+static void constant_cross(const struct own_params *params, const struct closure_line *cells, double *restrict cross) {
+    (void)params;
+    for (int i = 0; i < cells->n; i++) cross[i] = crossing;
 }
 static struct transport_terms crossed(const struct own_params *params) {
     (void)params;

@@ -47,9 +47,11 @@ static void homogeneous_cooling(void **state) {
         m.restitution = oracle_number(&r, 1);
         double rho = oracle_number(&r, 2) / packing_per_density(&m), T0 = oracle_number(&r, 3) / per;
         double t = oracle_number(&r, 4);
+        const struct closure_line cells = {.eos = eos, .material = &m, .n = 1, .rho = &rho};
+
         for (int steps = 1; steps <= 7; steps += 6) { /* exact: in one step or in seven */
             double eps = T0 / (m.gamma - 1);
-            for (int i = 0; i < steps; i++) law->step(NULL, eos, &m, t / steps, 1, &rho, &eps);
+            for (int i = 0; i < steps; i++) law->step(NULL, &cells, t / steps, &eps);
             assert_close((m.gamma - 1) * eps, oracle_number(&r, 5) / per, 1e-10, "T(t)");
         }
         rows++;
@@ -95,8 +97,9 @@ static double integrate(const struct equation *e, double contact, double T, doub
 
 static double stepped(const struct cooling *c, double T, double dt, int steps) {
     const struct own_params params = own_defaults(&c->model);
+    const struct closure_line cells = {.eos = gs, .material = &GRAINS, .n = 1, .rho = &DENSE};
     double eps = T / (GRAINS.gamma - 1);
-    for (int i = 0; i < steps; i++) c->step(&params, gs, &GRAINS, dt / steps, 1, &DENSE, &eps);
+    for (int i = 0; i < steps; i++) c->step(&params, &cells, dt / steps, &eps);
     return eps * (GRAINS.gamma - 1);
 }
 
@@ -126,10 +129,12 @@ static void every_law_is_safe(void **state) {
         for (double T = 1e-10; T < 1e10; T *= 10)
             for (double dt = 1e-12; dt < 1e8; dt *= 10) {
                 const struct own_params params = own_defaults(&cooling_table[i].model);
-                double rho[BATCH], eps[BATCH], alone = T;
-                for (int k = 0; k < BATCH; k++) rho[k] = DENSE, eps[k] = T;
-                cooling_table[i].step(&params, gs, &GRAINS, dt, BATCH, rho, eps);
-                cooling_table[i].step(&params, gs, &GRAINS, dt, 1, rho, &alone);
+                double rho[BATCH], shear_rate[BATCH], eps[BATCH], alone = T;
+                for (int k = 0; k < BATCH; k++) rho[k] = DENSE, shear_rate[k] = 1, eps[k] = T;
+                struct closure_line cells = {gs, &GRAINS, BATCH, rho, NULL, shear_rate};
+                cooling_table[i].step(&params, &cells, dt, eps);
+                cells.n = 1;
+                cooling_table[i].step(&params, &cells, dt, &alone);
                 assert_true(alone > 0 && alone <= T);
                 for (int k = 0; k < BATCH; k++) assert_true(eps[k] == alone);
             }
@@ -144,9 +149,11 @@ static void names_are_found(void **state) {
 /* T after `steps` steps over dt in all, from T0, in a gas at rest; B: of dT/dt = -B T^(3/2) phi. */
 static double cooled(double threshold, double T0, double dt, int steps) {
     struct material m = GRAINS;
+    const struct closure_line cells = {.eos = gs, .material = &m, .n = 1, .rho = &DENSE};
     double eps = 1.5 * T0;
     m.threshold = threshold;
-    for (int i = 0; i < steps; i++) haff->step(NULL, gs, &m, dt / steps, 1, &DENSE, &eps);
+
+    for (int i = 0; i < steps; i++) haff->step(NULL, &cells, dt / steps, &eps);
     return eps / 1.5;
 }
 

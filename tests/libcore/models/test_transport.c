@@ -20,12 +20,13 @@ static void reference_values(void **state) {
         struct material m = grains_of(eos, oracle_number(&r, 0), 1);
         const double nu = oracle_number(&r, 1), tolerance = 1e-12 + 4e-16 * nu / (m.alpha_max - nu);
         double rho = nu / packing_per_density(&m), T = 1, bulk, shear, heat, hot[3];
-        t->coefficients(&own, eos, &m, 1, &rho, &T, &bulk, &shear, &heat);
+        const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL};
+        t->coefficients(&own, &cells, &bulk, &shear, &heat);
         assert_close(bulk, oracle_number(&r, 8), tolerance, "bulk");
         assert_close(shear, oracle_number(&r, 9), tolerance, "shear");
         assert_close(heat, oracle_number(&r, 10), tolerance, "heat");
         T = 9;
-        t->coefficients(&printed, eos, &m, 1, &rho, &T, &hot[0], &hot[1], &hot[2]);
+        t->coefficients(&printed, &cells, &hot[0], &hot[1], &hot[2]);
         assert_close(hot[0], 6 * bulk, 1e-14, "sqrt T, printed bulk viscosity");
         assert_close(hot[1], 3 * shear, 1e-14, "sqrt T");
         assert_close(hot[2], 3 * heat, 1e-14, "sqrt T");
@@ -52,10 +53,11 @@ static void garzo_dufty_values(const char *file, const char *eos_name, double sh
         const double nu = larger(oracle_number(&r, 1), 1e-15);
         const double tolerance = 1e-12 + 4e-16 * nu / (m.alpha_max - nu), low = oracle_number(&r, 1) == 0 ? 1e-13 : 0;
         double rho = nu / packing_per_density(&m), T = 4, bulk, shear, heat, cross, zeta[2];
-        t->coefficients(&own, eos, &m, 1, &rho, &T, &bulk, &shear, &heat);
-        t->cross(&own, eos, &m, 1, &rho, &T, &cross);
-        t->dilation(&own, eos, &m, 1, &rho, &T, &zeta[0]);
-        t->dilation(&full, eos, &m, 1, &rho, &T, &zeta[1]);
+        const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL};
+        t->coefficients(&own, &cells, &bulk, &shear, &heat);
+        t->cross(&own, &cells, &cross);
+        t->dilation(&own, &cells, &zeta[0]);
+        t->dilation(&full, &cells, &zeta[1]);
         const double unit = shear0 * 2, heat0 = heat_ratio * unit, sink = rho * eps_of(&m, T);
         assert_near(bulk / unit, oracle_number(&r, 12), tolerance * oracle_number(&r, 12) + low);
         assert_close(shear / unit, oracle_number(&r, 13), tolerance + low, "shear");
@@ -92,12 +94,13 @@ static void ends_of_the_range(void **state) {
         struct material m = grains_of(eos, 0.75, 0.01);
         struct own_params own = own_defaults(&t->model);
         double nu[4] = {1e-4, 1e-9, 0.9999 * m.alpha_max, 1.5}, rho[4], T[4] = {1, 1, 1, 1}, out[3][4], cross[4];
+        const struct closure_line cells = {eos, &m, 4, rho, T, NULL};
         for (int i = 0; i < 4; i++) rho[i] = nu[i] / packing_per_density(&m);
-        t->coefficients(&own, eos, &m, 4, rho, T, out[0], out[1], out[2]);
+        t->coefficients(&own, &cells, out[0], out[1], out[2]);
         for (int k = 0; k < 3; k++)
             for (int i = 0; i < 4; i += 2)
                 assert_close(out[k][i + 1] / rho[i + 1], out[k][i] / rho[i], 1e-10, "coefficient per density");
-        if (t->cross) t->cross(&own, eos, &m, 4, rho, T, cross);
+        if (t->cross) t->cross(&own, &cells, cross);
         if (!t->cross) continue;
         assert_close(cross[1] / rho[1], cross[0] / rho[0], 1e-10, "coefficient of grad rho in thin gas");
         assert_close(cross[3], cross[2], 1e-10, "coefficient of grad rho above packing");
@@ -115,12 +118,13 @@ static void knudsen_cut(void **state) {
     cut = own;
     model_put(&t->model, &cut, "knudsenCut", 0.01);
     double rho = 0.02 / packing_per_density(&m), T = 3, whole[5], left[5];
-    t->coefficients(&own, eos, &m, 1, &rho, &T, &whole[0], &whole[1], &whole[2]);
-    t->cross(&own, eos, &m, 1, &rho, &T, &whole[3]);
-    t->dilation(&own, eos, &m, 1, &rho, &T, &whole[4]);
-    t->coefficients(&cut, eos, &m, 1, &rho, &T, &left[0], &left[1], &left[2]);
-    t->cross(&cut, eos, &m, 1, &rho, &T, &left[3]);
-    t->dilation(&cut, eos, &m, 1, &rho, &T, &left[4]);
+    const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL};
+    t->coefficients(&own, &cells, &whole[0], &whole[1], &whole[2]);
+    t->cross(&own, &cells, &whole[3]);
+    t->dilation(&own, &cells, &whole[4]);
+    t->coefficients(&cut, &cells, &left[0], &left[1], &left[2]);
+    t->cross(&cut, &cells, &left[3]);
+    t->dilation(&cut, &cells, &left[4]);
     for (int k = 0; k < 4; k++) assert_close(left[k], whole[k] * 2 / 3, 1e-14, "cut");
     assert_true(left[4] == whole[4] && whole[4] < 0);
 }
@@ -137,10 +141,12 @@ static void batch_is_a_loop(void **state) {
     for (int k = 0; k < transport_count; k++) {
         struct own_params own = own_defaults(&transport_table[k].model);
         for (int n = 1; n <= BATCH; n += 9) {
-            transport_table[k].coefficients(&own, eos, &m, n, rho, T, bulk, shear, heat);
+            const struct closure_line cells = {eos, &m, n, rho, T, T};
+            transport_table[k].coefficients(&own, &cells, bulk, shear, heat);
             for (int i = 0; i < n; i++) {
+                const struct closure_line one = {eos, &m, 1, rho + i, T + i, T + i};
                 double b, s, h;
-                transport_table[k].coefficients(&own, eos, &m, 1, rho + i, T + i, &b, &s, &h);
+                transport_table[k].coefficients(&own, &one, &b, &s, &h);
                 assert_true(b == bulk[i] && s == shear[i] && h == heat[i]);
             }
         }

@@ -153,13 +153,12 @@ static const double BOUNDARY = 0.5 * (0.2 + 0.8 * 0.5); /* of layers: where a fa
 static double conductivity[2];                          /* of both layers: left, right */
 
 /* Layers differ in density. */
-static void law_of_layers(const struct own_params *params, const struct eos *eos, const struct material *m, int n,
-                          const double *restrict rho, const double *restrict T, double *restrict bulk,
+static void law_of_layers(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                           double *restrict shear, double *restrict heat) {
-    (void)params, (void)eos, (void)m, (void)T;
-    for (int i = 0; i < n; i++) {
+    (void)params;
+    for (int i = 0; i < cells->n; i++) {
         bulk[i] = shear[i] = 1;
-        heat[i] = conductivity[rho[i] > 0.8];
+        heat[i] = conductivity[cells->rho[i] > 0.8];
     }
 }
 static const struct transport LAYERS = {.coefficients = law_of_layers};
