@@ -75,7 +75,11 @@ static double rate_of_cooling(const struct gas *g, double dt, const struct bed_r
     double cooled[BATCH], most = 0;
     if (!source_cools(&m->source, &m->material)) return 0;
     memcpy(cooled, row->eps, (size_t)row->n * sizeof(double));
-    const struct closure_line cells = {.eos = m->eos, .material = &m->material, .n = row->n, .rho = row->rho};
+    const struct closure_line cells = {.eos = m->eos,
+                                       .material = &m->material,
+                                       .n = row->n,
+                                       .rho = row->rho,
+                                       .shear_rate = shear_rate_at(g, m->source.cooling->needs, row->block, row->at)};
     m->source.cooling->step(&m->source.cooling_params, &cells, dt, cooled);
     for (int i = 0; i < row->n; i++)
         if (row->part[i] >= BED_DENSE) most = larger(most, (row->eps[i] - cooled[i]) / (cooled[i] * dt));
@@ -163,6 +167,7 @@ static double limit_of_cooling(const struct gas *g, double plain, double rate) {
 static struct bed_rates find_rates(struct gas *g, double plain) {
     struct dense *d = g->dense;
     struct bed_rates rates;
+    if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
     g->engine->bed.parts(g, plain, d->thin, &rates);
     d->cooling = larger(d->cooling, rates.cooling);
     double most[] = {rates.thin, rates.solid, rates.flow, d->cooling, rates.inertia};
@@ -241,6 +246,7 @@ void gas_bed_bound(struct gas *g, struct gas_bed_bound *out) {
         struct bed_rates none;
         d->cooling = 0; /* all dense cells are to find their rates of cooling again */
         d->sought = &first;
+        if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
         g->engine->bed.parts(g, d->bound.dt, d->thin, &none);
         d->sought = NULL;
         first_place_share(g, &first, d->bound.cell.place);

@@ -308,6 +308,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     g->diffusion.ahead = g->diffusion.ahead && second;
     g->diffusion.late = second;
     renew_patches(g, second ? t + dt : t);
+    diffusion_sees(g, from);
     g->engine->diffusion.rates(g, from, rate);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
@@ -335,6 +336,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     if (first && most[0] == 0) {
         renew_patches(g, t + dt);
         g->engine->diffusion.ahead(g, to);
+        diffusion_looks_ahead(g, to);
         g->diffusion.ahead = true;
     }
     return most[0] == 0;

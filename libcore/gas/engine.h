@@ -76,6 +76,9 @@ struct state_hooks {
      * gas_fastest_place. */
     void (*speed)(struct gas *g, struct gas_speed *speed);
     void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
+    /* Sets g->shear_rate to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or across; where
+     * g->shear_rate is not NULL. Collective. */
+    void (*shear_rate)(struct gas *g, const struct state *s);
     /* Sums volume * variable v over the domain: totals[v]. */
     status (*totals)(const struct gas *g, const struct state *s, double totals[MAX_VAR]);
 };

@@ -11,7 +11,7 @@ static status make(const struct gas *like, struct gas **out) {
     if (g->components < g->dim) g->components = g->dim; /* models->components is 0: as many as the mesh has axes */
     g->nvar = g->components + 2;
     g->limits.first_order = reconstruct_find("firstOrder");
-    if (g->models.transport) g->models.skip_uniform = false;
+    if (g->models.transport || needs_shear_rate(&g->models)) g->models.skip_uniform = false;
     g->diffusion.terms = transport_terms(g->models.transport, &g->models.transport_params);
     g->limits.most = density_limit(g->models.eos, &g->models.material);
     g->limits.crowds = !gas_can_collapse(g);
@@ -19,6 +19,7 @@ static status make(const struct gas *like, struct gas **out) {
     if (g->models.alpha_floor > 0)
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = g->engine->state.make(g);
+    if (!s) s = shear_rate_make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
     if (!s) s = dense_make(g);
     if (s)
@@ -58,6 +59,7 @@ void gas_free(struct gas *g) {
     if (!g) return;
     implicit_free(g->diffusion.implicit);
     dense_free(g);
+    shear_rate_free(g);
     g->engine->state.free(g);
     books_free(g);
     status_free(g->patches.failed);

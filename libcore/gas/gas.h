@@ -41,8 +41,8 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     struct own_params acoustics_params;  /* parameters of the row */
     int components;                      /* of u, if more than the mesh has axes; 0: as many */
     double alpha_floor;                  /* least alpha: mass is added where fluxes would fall below it; 0: off */
-    /* without transport: are cells in exactly uniform surroundings left out (libcore/lattice/tiles_activity.c)? The
-     * bits stay the same */
+    /* without transport or a law that sees the shear rate: are cells in exactly uniform surroundings left out
+     * (libcore/lattice/tiles_activity.c)? The bits stay the same */
     bool skip_uniform;
 };
 

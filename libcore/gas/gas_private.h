@@ -147,6 +147,10 @@ struct gas {
     struct floors floors;
     struct falling falling;
     struct half_diffusion diffusion;
+    /* [blocks][size], NULL if no law asks for it (libcore/gas/shear_rate.c): 1/s, of the state that was seen last; and
+     * the factor by which it rose over the first half of diffusion */
+    double **shear_rate, **shear_rise;
+
     struct dense *dense; /* implicit acoustics; NULL: there are none */
     struct counting counts;
     struct audit *audit; /* the budget; NULL: none is kept */
@@ -276,7 +280,8 @@ struct half_step { /* context of source_row, the visitor of rows that applies so
     const struct gas *g;
     const struct state *from, *to;
     const struct source_plan *plan;
-    long bad; /* out: number of cells that are not admissible in `to` */
+    double **shear_rate; /* [blocks][size]; NULL: no source asks for it */
+    long bad;            /* out: number of cells that are not admissible in `to` */
     /* the background that was advanced last, which many tiles have in common, before and after; known: is there one? */
     bool known;
     double before[MAX_VAR], after[MAX_VAR];
@@ -296,6 +301,25 @@ int row_inadmissible(const struct gas *g, const double *U, long offset, int n, d
  * limited: inadmissible ones, and where g->limits.crowds those whose density rose next to its limit. Raises flags[i] by
  * 1 or more there. */
 int row_limited(const struct gas *g, int n, const double *from, const double *to, double *flags);
+
+/* ---- what laws ask for (libcore/gas/shear_rate.c) ---- */
+
+bool needs_shear_rate(const struct gas_models *m); /* does any law? */
+status shear_rate_make(struct gas *g);
+void shear_rate_free(struct gas *g);
+/* Does a source? Then the hook `shear_rate` must have seen the state that they act on, with the values that patches
+ * have at its time. */
+bool sources_ask(const struct gas *g);
+/* Find what the transport law asks for at the start of a half step of diffusion, and behind the first one. Collective.
+ */
+void diffusion_sees(struct gas *g, const struct state *s);
+void diffusion_looks_ahead(struct gas *g, const struct state *to);
+/* The line of the cells from `at` on; NULL if a law of these needs does not ask for it. */
+static inline const double *shear_rate_at(const struct gas *g, unsigned needs, int block, long at) {
+    return needs & NEEDS_SHEAR_RATE ? g->shear_rate[block] + at : NULL;
+}
+/* Computes the shear rate of n <= BATCH cells; gradient: lines du_c/dx_k, at k components + c. */
+void shear_rate_row(const struct gas *g, int n, const double *const *gradient, double *out);
 
 /* ---- the heat flux of grad rho ---- */
 

@@ -83,12 +83,15 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
 
 /* ---- values on a patch itself (docs/physics.md 5.8) ---- */
 
-/* T of the gas on a wall that takes heat in proportion to T, with gravity left out: to first order in the cell. */
+/* T of the gas on a wall that takes heat in proportion to T, with gravity left out: to first order in the cell. A law
+ * that asks for the shear rate gets that of gas which the wall holds. */
 static void surface_temperature(const struct gas *g, const struct patch_rules *r, int n, const int *face,
                                 const double *gap, const double *rho, const double *slip, double *T) {
     const struct gas_models *m = &g->models;
-    double bulk[BATCH], shear[BATCH], heat[BATCH], cross[BATCH], none[BATCH] = {0}, share[2][BATCH];
-    const struct closure_line cells = {m->eos, &m->material, n, rho, T, NULL};
+    double bulk[BATCH], shear[BATCH], heat[BATCH], cross[BATCH], none[BATCH] = {0}, share[2][BATCH], rate[BATCH];
+    const bool sees = m->transport->needs & NEEDS_SHEAR_RATE;
+    for (int i = 0; i < n && sees; i++) rate[i] = wall_drags(r) ? 2 * sqrt(slip[i]) / gap[i] : 0;
+    const struct closure_line cells = {m->eos, &m->material, n, rho, T, sees ? rate : NULL};
     m->transport->coefficients(&m->transport_params, &cells, bulk, shear, heat);
     if (g->diffusion.terms.cross) m->transport->cross(&m->transport_params, &cells, cross);
     struct wall_line line = {.n = n,

@@ -316,9 +316,10 @@ void source_row(void *half_step, const struct row *row) {
         U[v] = to + v * g->size + row->at;
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
+    const double *shear_rate = h->shear_rate ? h->shear_rate[row->block] + row->at : NULL;
     const bool find = g->falling.cells && h->plan->warm >= 0;
     const bool acts = find || !h->plan->gravity_alone || g->falling.blocks[row->block];
-    const bool falling = acts && source_apply(h->plan, row->n, U, falls_of(g, row));
+    const bool falling = acts && source_apply(h->plan, row->n, U, falls_of(g, row), shear_rate);
     if (falling && find) note_falling(g, row);
     const int bad = row_inadmissible(g, to, row->at, row->n, NULL);
     h->bad += bad;
@@ -329,6 +330,7 @@ void source_row(void *half_step, const struct row *row) {
 
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to) {
     struct half_step h = {.g = g, .from = from, .to = to, .plan = plan};
+    if (sources_ask(g)) h.shear_rate = g->shear_rate;
     g->engine->state.rows(g, EACH_STATE, from, source_row, &h);
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, to);
     return h.bad;

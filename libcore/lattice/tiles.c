@@ -466,6 +466,7 @@ const struct engine engine_lattice = {
               .field = tiles_field,
               .speed = tiles_speed,
               .fastest_place = tiles_fastest_place,
+              .shear_rate = tiles_shear_rate,
               .totals = tiles_totals},
     .stage = {.fronts = tiles_fronts,
               .stage = tiles_stage,

@@ -97,6 +97,8 @@ void tiles_hold_limited(struct gas *g, bool back);
 void tiles_clear_flags(struct gas *g);
 void tiles_unfold_bad(struct gas *g, const struct state *s);
 
+void tiles_shear_rate(struct gas *g, const struct state *s); /* libcore/lattice/tiles_shear_rate.c */
+
 status tiles_diffuser_make(struct gas *g);
 void tiles_diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);

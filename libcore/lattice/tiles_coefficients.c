@@ -54,6 +54,7 @@ struct coefficients { /* what coefficient_visit and ahead_visit need */
     const struct gas *g;
     const double *U;
     double *warm, *cross, *dilation; /* lines of cells; NULL: there is no such term */
+    const double *shear_rate;        /* NULL: the law does not ask for it */
 };
 
 /* T of n cells at `offset` of a block U; their velocity and eps go to the workspace. */
@@ -74,7 +75,8 @@ static void coefficient_visit(void *context, long offset, int n) {
     for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= warm[i];
     for (int i = 0; i < n && !g->diffusion.ahead; i++) warm[i] = T[i];
     const struct gas_models *m = &g->models;
-    const struct closure_line cells = {m->eos, &m->material, n, v->U + offset, T, NULL};
+    const struct closure_line cells = {
+        m->eos, &m->material, n, v->U + offset, T, v->shear_rate ? v->shear_rate + offset : NULL};
     m->transport->coefficients(&m->transport_params, &cells, w->p + offset, w->c + offset, w->gruneisen + offset);
     if (v->cross) m->transport->cross(&m->transport_params, &cells, v->cross + offset);
     if (v->dilation) m->transport->dilation(&m->transport_params, &cells, v->dilation + offset);
@@ -294,8 +296,12 @@ void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     forest_fill_layers(g->forest, 1, g->nvar, Y0->block);
     for (int t = 0; t < f->ntiles; t++) {
         const struct diffuser *d = g->tiles->diffuser;
-        struct coefficients v = {g, Y0->block[t], d->warm[t], d->cross ? d->cross[t] + g->dim * f->size : NULL,
-                                 d->dilation ? d->dilation[t] : NULL};
+        struct coefficients v = {g,
+                                 Y0->block[t],
+                                 d->warm[t],
+                                 d->cross ? d->cross[t] + g->dim * f->size : NULL,
+                                 d->dilation ? d->dilation[t] : NULL,
+                                 shear_rate_at(g, g->models.transport->needs, t, 0)};
         ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t, Y0->block[t]);

@@ -14,7 +14,8 @@ static bool cooling_active(const struct sources *all, const struct material *m) 
 static void cooling_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
                          double *restrict eps) {
     (void)mom;
-    const struct closure_line cells = {.eos = s->eos, .material = s->material, .n = n, .rho = rho};
+    const struct closure_line cells = {
+        .eos = s->eos, .material = s->material, .n = n, .rho = rho, .shear_rate = s->shear_rate};
     s->all->cooling->step(&s->all->cooling_params, &cells, s->dt, eps);
 }
 
@@ -251,6 +252,10 @@ bool source_active(const struct sources *s, const struct material *m) {
     return false;
 }
 
+unsigned source_needs(const struct sources *s, const struct material *m) {
+    return cooling_active(s, m) ? s->cooling->needs : 0;
+}
+
 bool source_cools(const struct sources *s, const struct material *m) {
     return cooling_active(s, m);
 }
@@ -276,7 +281,7 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
         const struct source_type *r = &source_table[row];
         if (!source_row_active(s, m, row)) continue;
         struct source_step *step = &out->step[out->n++];
-        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, {0}, {0}};
+        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, NULL, {0}, {0}};
         if (r->plan) r->plan(step);
     }
     out->gravity_alone = out->n == 1 && out->step[0].row->step == gravity_step;
@@ -354,8 +359,10 @@ static bool acts(const struct source_plan *plan, bool drops) {
     return false;
 }
 
-bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls) {
+bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls,
+                  const double *shear_rate) {
     double eps[BATCH], before[BATCH];
+    struct source_step seeing;
     const bool find = falls && plan->warm >= 0, keeps = falls && plan->gravity_alone;
     bool falling = falls && !find && any_of(n, falls);
     if (plan->n == 0 || (!find && !acts(plan, !falls || falling))) return falling;
@@ -366,6 +373,11 @@ bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR
     if (keeps) memcpy(before, U[dim + 1], (size_t)n * sizeof *before);
     for (int i = 0; i < plan->n; i++) {
         const struct source_step *step = &plan->step[i];
+        if (shear_rate) {
+            seeing = *step;
+            seeing.shear_rate = shear_rate;
+            step = &seeing;
+        }
         if (!falls || step->row->step != gravity_step)
             step->row->step(step, n, U[0], U + 1, eps);
         else if (falling)

@@ -34,8 +34,9 @@ struct source_step { /* one source over one sub-step: the numbers that are the s
     const struct own_params *params; /* parameters of the row */
     const struct eos *eos;
     const struct material *material;
-    int dim;      /* components of velocity */
-    double t, dt; /* s, from t to t + dt */
+    int dim;                  /* components of velocity */
+    double t, dt;             /* s, from t to t + dt */
+    const double *shear_rate; /* of the cells in hand, as in struct closure_line; NULL unless a source asks for it */
     /* The row's plan sets: */
     double kick[MAX_DIM]; /* m/s: the velocity that gas at rest gains */
     double number[4];     /* further numbers that the row's step needs */
@@ -66,6 +67,8 @@ bool source_row_active(const struct sources *s, const struct material *m, int ro
 bool source_active(const struct sources *s, const struct material *m);
 /* Is gravity modulated in time? */
 bool source_shaken(const struct sources *s);
+/* The needs (libcore/models/closure.h) of the sources that are on. */
+unsigned source_needs(const struct sources *s, const struct material *m);
 /* Do impacts take energy? */
 bool source_cools(const struct sources *s, const struct material *m);
 /* May the sources chosen change T? May they raise T? The answer looks at the choice alone, so that Haff's law counts
@@ -105,7 +108,9 @@ void source_pull(const struct sources *s, const struct eos *eos, const struct ma
 
 /* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. falls: [n] 1
  * where gravity acts, else 0, in or out as plan->warm says; NULL: it acts on all cells. Cells on which nothing acts
- * keep their bits; eps is held at SOURCE_COLDEST. Returns whether falls is 1 anywhere. */
-bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls);
+ * keep their bits; eps is held at SOURCE_COLDEST. shear_rate: [n], or NULL, as source_needs says. Returns whether falls
+ * is 1 anywhere. */
+bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls,
+                  const double *shear_rate);
 
 #endif

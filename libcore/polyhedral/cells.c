@@ -91,6 +91,7 @@ static status cells_make(struct gas *g) {
     TRY(cells_rules_make(g));
     TRY(cells_weight_make(g));
     TRY(cells_fronts_make(g));
+    if (needs_shear_rate(&g->models)) TRY(cells_shear_rate_make(g));
     return g->models.transport ? cells_diffuser_make(g) : OK;
 }
 
@@ -114,6 +115,7 @@ static void cells_free(struct gas *g) {
     cells_sweep_free(&c->sweep);
     cells_sides_free(&c->sides);
     cells_diffuser_free(c->diffuser);
+    cells_shear_rate_free(c->shear_rate);
     cells_weight_free(c->weight);
     cells_rest_free(c->rest);
     cells_rules_free(c->rules);
@@ -365,6 +367,7 @@ const struct engine engine_polyhedral = {
               .field = cells_field,
               .speed = cells_speed,
               .fastest_place = cells_fastest_place,
+              .shear_rate = cells_shear_rate,
               .totals = cells_totals},
     .stage = {.fronts = cells_fronts,
               .stage = cells_stage,

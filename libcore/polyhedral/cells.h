@@ -46,12 +46,13 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double *sums;           /* [nblocks] scratch of sums over blocks */
     double *line;           /* [nown] scratch: values block by block */
     double **by_block;      /* [nblocks] into `line` */
-    struct cells_diffuser *diffuser; /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
-    struct cells_weight *weight;     /* libcore/polyhedral/cells_weight.c; NULL: there is no gravity */
-    struct cells_rest *rest;         /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
-    struct cells_fronts *fronts;     /* libcore/polyhedral/cells_fronts.c; NULL: nothing is done about fronts */
-    struct cells_rules *rules;       /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
-    struct cells_bed *bed;           /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
+    struct cells_diffuser *diffuser;     /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
+    struct cells_weight *weight;         /* libcore/polyhedral/cells_weight.c; NULL: there is no gravity */
+    struct cells_rest *rest;             /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
+    struct cells_fronts *fronts;         /* libcore/polyhedral/cells_fronts.c; NULL: nothing is done about fronts */
+    struct cells_rules *rules;           /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
+    struct cells_shear_rate *shear_rate; /* libcore/polyhedral/cells_shear_rate.c; NULL: no law asks for it */
+    struct cells_bed *bed;               /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
 
 struct cells_primitives { /* of a batch of cells */
@@ -207,6 +208,10 @@ long cells_share_flags(struct gas *g);
 void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
 void cells_clear_flags(struct gas *g);
+
+status cells_shear_rate_make(struct gas *g);
+void cells_shear_rate_free(struct cells_shear_rate *x);
+void cells_shear_rate(struct gas *g, const struct state *s);
 
 status cells_diffuser_make(struct gas *g);
 void cells_diffuser_free(struct cells_diffuser *d);

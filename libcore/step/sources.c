@@ -48,6 +48,13 @@ static long apply_plan(struct gas *g, const struct source_plan *plan, const stru
     return bad;
 }
 
+/* Finds the shear rate of a state, at the start or the end of the step, if a law of the sources asks for it. */
+static void see_shear_rate(struct gas *g, const struct state *s, double t) {
+    if (!sources_ask(g)) return;
+    renew_patches(g, t);
+    g->engine->state.shear_rate(g, s);
+}
+
 static bool are_there(const struct gas *g, const struct attempt *a) {
     (void)g;
     return a->sources;
@@ -62,6 +69,7 @@ static bool sources_begin(struct gas *g, struct attempt *a) {
         plan.warm = warm_of(g, a);
         forget_falling(g);
     }
+    see_shear_rate(g, a->now, a->t);
     a->bad = apply_plan(g, &plan, a->now, to);
     if (a->guarded) {
         a->bad = floors_apply(g, to);
@@ -76,6 +84,7 @@ static bool sources_end(struct gas *g, struct attempt *a) {
     struct source_plan plan;
     if (a->at_once) return true;
     sources_plan(g, a, true, &plan);
+    see_shear_rate(g, &g->V, a->t + a->dt);
     a->bad += apply_plan(g, &plan, &g->V, &g->V);
     return !g->step.hybrid || any_rank(g, a->bad) == 0;
 }

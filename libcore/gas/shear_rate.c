@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The shear rate that laws of transport and of cooling may ask for (libcore/models/closure.h). The engine finds it in
+ * the cells of a state, from gradients of the second order, exact for linear velocities. It is frozen over a half step
+ * of diffusion, or of the sources, as the coefficients are: at the start of the first half, at the end of the second.
+ * Cooling does not change u, so that it has the state itself at either end; diffusion takes that of the end from the
+ * state before it, times the factor by which the first half changed it, as T (libcore/gas/diffusion.c). */
+#include "libcore/gas/gas_private.h"
+
+#include <stdlib.h>
+
+/* The factor is at most this: at a front that passes it says nothing of what follows. */
+static const double MOST_RISE = 4;
+static const double NO_SHEAR = 1e-200; /* 1/s: added to both sides of the factor's fraction, for gas without shear */
+
+/* The states have as many blocks. */
+static int blocks_of(const struct gas *g) {
+    return g->forest ? g->forest->ntiles : 1;
+}
+
+static status make_lines(const struct gas *g, double ***lines) {
+    TRY(allocate(lines, blocks_of(g), sizeof **lines, "the shear rate"));
+    for (int b = 0; b < blocks_of(g); b++)
+        TRY(allocate(&(*lines)[b], g->size + SLACK, sizeof ***lines, "the shear rate"));
+    return OK;
+}
+
+bool needs_shear_rate(const struct gas_models *m) {
+    const unsigned needs = (m->transport ? m->transport->needs : 0) | source_needs(&m->source, &m->material);
+    return needs & NEEDS_SHEAR_RATE;
+}
+
+status shear_rate_make(struct gas *g) {
+    if (!needs_shear_rate(&g->models)) return OK;
+    TRY(make_lines(g, &g->shear_rate));
+    return g->models.transport ? make_lines(g, &g->shear_rise) : OK;
+}
+
+void shear_rate_free(struct gas *g) {
+    double **lines[] = {g->shear_rate, g->shear_rise};
+    for (int i = 0; i < 2; i++) {
+        for (int b = 0; lines[i] && b < blocks_of(g); b++) free(lines[i][b]);
+        free(lines[i]);
+    }
+}
+
+static bool transport_asks(const struct gas *g) {
+    return g->models.transport && (g->models.transport->needs & NEEDS_SHEAR_RATE);
+}
+
+bool sources_ask(const struct gas *g) {
+    return source_needs(&g->models.source, &g->models.material) & NEEDS_SHEAR_RATE;
+}
+
+void diffusion_sees(struct gas *g, const struct state *s) {
+    if (!transport_asks(g)) return;
+    g->engine->state.shear_rate(g, s);
+    for (int b = 0; b < blocks_of(g) && g->diffusion.ahead; b++)
+        for (long i = 0; i < g->size; i++) g->shear_rate[b][i] *= g->shear_rise[b][i];
+}
+
+void diffusion_looks_ahead(struct gas *g, const struct state *to) {
+    if (!transport_asks(g)) return;
+    double **before = g->shear_rate;
+    g->shear_rate = g->shear_rise;
+    g->shear_rise = before;
+    g->engine->state.shear_rate(g, to);
+    for (int b = 0; b < blocks_of(g); b++)
+        for (long i = 0; i < g->size; i++) {
+            const double rise = (g->shear_rate[b][i] + NO_SHEAR) / (before[b][i] + NO_SHEAR);
+            before[b][i] = smaller(larger(rise, 1 / MOST_RISE), MOST_RISE);
+        }
+}
+
+/* Adds 2 D'_kl D'_kl of the axes k and l, and of l and k where they differ. Terms are added from the last axis on, as
+ * in velocities. */
+KERNEL static void add_shears(int n, int dim, int components, double d, const double *const *gradient,
+                              double *restrict sum) {
+    double mean[BATCH] = {0}, none[BATCH] = {0};
+    for (int k = dim - 1; k >= 0; k--)
+        for (int i = 0; i < n; i++) mean[i] += gradient[k * components + k][i];
+    for (int i = 0; i < n; i++) {
+        mean[i] /= d;
+        sum[i] = d > dim ? 2 * (d - dim) * (mean[i] * mean[i]) : 0; /* along axes that the mesh lacks */
+    }
+    for (int k = dim - 1; k >= 0; k--) {
+        const double *restrict stretch = gradient[k * components + k];
+        for (int i = 0; i < n; i++) sum[i] += 2 * ((stretch[i] - mean[i]) * (stretch[i] - mean[i]));
+    }
+    for (int l = components - 1; l >= 1; l--)
+        for (int k = (l < dim ? l : dim) - 1; k >= 0; k--) {
+            const double *restrict a = gradient[k * components + l], *b = l < dim ? gradient[l * components + k] : none;
+            for (int i = 0; i < n; i++) sum[i] += (a[i] + b[i]) * (a[i] + b[i]);
+        }
+}
+
+void shear_rate_row(const struct gas *g, int n, const double *const *gradient, double *out) {
+    double sum[BATCH];
+    add_shears(n, g->dim, g->components, g->models.material.disks ? 2 : 3, gradient, sum);
+    for (int i = 0; i < n; i++) out[i] = sqrt(sum[i]);
+}
