@@ -9,12 +9,12 @@
  * them after the last: the home of a bed has more to list and less to do in the stages, and so nobody waits in between.
  */
 #include "libcore/acoustics/bed_private.h"
-#include "libcore/acoustics/room.h"
+#include "libcore/multigrid/room.h"
 
 #include <stdlib.h>
 
 /* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks. */
-enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS, ROOMS = 7 };
+enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS };
 enum { RESULTS = 4 }; /* numbers of each block that come back */
 
 struct bed_deal {
@@ -34,7 +34,8 @@ struct bed_deal {
     status failed;                     /* the error because of which they could not be written */
     double *message_out, *message_in;  /* of a step */
     struct bed_shapes shapes;          /* of worker, unless cells are boxes: a shape for each cell and each face */
-    struct room room[ROOMS];           /* the memory of a set of cells */
+    int *places;                       /* scratch of list_out */
+    struct room room;                  /* the memory of a set of cells */
 };
 
 static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
@@ -45,7 +46,7 @@ static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
 
 void bed_deal_free(struct bed_deal *d) {
     if (!d) return;
-    room_forget(d->room, ROOMS);
+    room_free(&d->room);
     status_free(d->failed);
     bed_free(&d->worker);
     free(d->cell_first);
@@ -88,7 +89,7 @@ static status share_blocks(struct bed *b) {
     struct bed_deal *d = b->deal;
     TRY(comm_share_count(b->comm, b->blocks, d->block_count, d->block_first));
     const int blocks = d->block_first[comm_size(b->comm)];
-    TRY(comm_agree(b->comm, room_grow(&d->room[0], 3L * blocks + 1, sizeof(int), &d->size)));
+    TRY(comm_agree(b->comm, ROOM_GROW(&d->room, d->size, 3L * blocks + 1)));
     d->number = d->size + blocks;
     d->rank = d->number + blocks;
     for (int i = 0; i < b->blocks; i++) d->rank[i] = b->first[i + 1] - b->first[i];
@@ -252,7 +253,7 @@ static status make_geometry(struct bed *b) {
     w->balanced = b->balanced;
     if (b->shapes->boxes) return OK;
     w->shapes = &d->shapes;
-    TRY(room_grow(&d->room[1], cells + (3L + 3 * b->dim) * w->faces, sizeof(double), &d->shapes.volume));
+    TRY(ROOM_GROW(&d->room, d->shapes.volume, cells + (3L + 3 * b->dim) * w->faces));
     next = d->shapes.volume + cells;
     d->shapes.area = next;
     for (int side = 0; side < 2; side++) d->shapes.depth[side] = next += w->faces;
@@ -334,9 +335,9 @@ static status make_messages(struct bed *b) {
     most.of[OUTER] = 2 * (b->components + 2) + 1;
     most.of[BLOCKS] = RESULTS;
     const long all = sum_all(b, &most, d->out) + sum_all(b, &most, d->in);
-    TRY(room_grow(&d->room[2], 2 * all, sizeof(double), &d->message_out));
+    TRY(ROOM_GROW(&d->room, d->message_out, 2 * all));
     d->message_in = d->message_out + all;
-    return room_grow(&d->room[6], sum_all(b, &of_lists, d->in), sizeof(int), &d->lists_in);
+    return ROOM_GROW(&d->room, d->lists_in, sum_all(b, &of_lists, d->in));
 }
 
 static status make_lists(struct bed *b) {
@@ -351,13 +352,12 @@ static status write_here(struct bed *b) {
     struct bed_deal *d = b->deal;
     const long sides = b->face_start[b->cells];
     const struct per shapes = of_geometry(b);
-    int *scratch;
-    TRY(room_grow(&d->room[3], 2 * sides, sizeof(int), &d->face));
-    TRY(room_grow(&d->room[4], 2L * b->faces + sides, sizeof(int), &scratch));
-    int *const entry = scratch + 2 * b->faces;
-    list_out(b, scratch, entry);
+    TRY(ROOM_GROW(&d->room, d->face, 2 * sides));
+    TRY(ROOM_GROW(&d->room, d->places, 2L * b->faces + sides));
+    int *const entry = d->places + 2 * b->faces;
+    list_out(b, d->places, entry);
     const long numbers = b->shapes->boxes ? 0 : sum_all(b, &shapes, d->out), ints = sum_all(b, &of_lists, d->out);
-    TRY(room_grow(&d->room[5], numbers + (ints + 1) / 2, sizeof(double), &d->geometry));
+    TRY(ROOM_GROW(&d->room, d->geometry, numbers + (ints + 1) / 2));
     d->lists_out = (int *)(d->geometry + numbers);
     write_lists(b, entry);
     if (!b->shapes->boxes) write_geometry(b);

@@ -4,7 +4,7 @@
 #define LIBCORE_BED_PRIVATE_H
 
 #include "libcore/acoustics/bed.h"
-#include "libcore/acoustics/multigrid.h"
+#include "libcore/multigrid/multigrid.h"
 
 enum { BLUR_SUMS = 4 + MAX_DIM }; /* of each block (bed_blur.c) */
 #define MOST_OUT 0.95             /* most of a cell's volume that may flow in, or out, in a step */

@@ -3,7 +3,7 @@
  * [repeats [axes]]], also under mpirun -np 2; axes: 2 or 3 alone; in space sides are an eighth as long. Prints
  * iterations to a reduction of 1e-3 and of 1e-8, what is then left of the error in the norm of A, wall time a row of
  * set-up (new links; the same links) and of a solution to 1e-3, best of the repeats, of the slowest rank. */
-#include "tests/libcore/acoustics/multigrid_grid.h"
+#include "tests/libcore/multigrid/multigrid_grid.h"
 
 #include <stdio.h>
 #include <time.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Joins rows along strong links into aggregates: pairs, pairs of pairs and so on, all inside blocks. */
-#include "libcore/acoustics/multigrid_private.h"
+#include "libcore/multigrid/multigrid_private.h"
 
 enum { LARGEST = 16 }; /* rows of an aggregate, at most */
 
@@ -185,12 +185,14 @@ static void list_members(struct level *l, int parts) {
 status multigrid_aggregate(struct level *l, int passes, struct level *to) {
     const long n = l->rows;
     struct groups s = {.l = l};
-    TRY(room_grow(&l->room[9], n + l->ghosts, sizeof(int), &l->part));
-    TRY(room_grow(&l->room[10], 2 * n + 1, sizeof(int), &l->member_first));
-    TRY(room_grow(&l->room[11], 8 * n, sizeof(int), &s.group));
-    TRY(room_grow(&l->room[12], 2 * n, sizeof(double), &s.coupling));
-    TRY(room_grow(&to->room[13], l->blocks + 1L, sizeof(int), &to->block));
+    TRY(ROOM_GROW(&l->room, l->part, n + l->ghosts));
+    TRY(ROOM_GROW(&l->room, l->member_first, 2 * n + 1));
+    TRY(ROOM_GROW(&l->room, l->groups, 8 * n));
+    TRY(ROOM_GROW(&l->room, l->masses, 2 * n));
+    TRY(ROOM_GROW(&to->room, to->block, l->blocks + 1L));
+    s.coupling = l->masses;
     s.mass = s.coupling + n;
+    s.group = l->groups;
     s.next = s.group + n;
     s.last = s.next + n;
     s.size = s.last + n;

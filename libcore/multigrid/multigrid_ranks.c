@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The messages between the ranks of a multigrid: their blocks, ghosts' values, sums, the matrix of all rows. */
-#include "libcore/acoustics/multigrid_private.h"
+#include "libcore/multigrid/multigrid_private.h"
 
 #include <stdlib.h>
 
@@ -31,7 +31,7 @@ status multigrid_meet(struct multigrid *m, const struct multigrid_rows *rows) {
     struct world *w = &m->world;
     const int n = m->ranks;
     if (n > 1) {
-        TRY(room_grow(&w->room[0], 8L * n + 4, sizeof(int), &w->count));
+        TRY(ROOM_GROW(&w->room, w->count, 8L * n + 4));
         w->row_count = w->count + n;
         w->sum_count = w->row_count + n;
         w->pack_count = w->sum_count + n;
@@ -44,9 +44,9 @@ status multigrid_meet(struct multigrid *m, const struct multigrid_rows *rows) {
     } else {
         w->blocks = rows->blocks;
     }
-    status s = room_grow(&w->room[1], 3L * w->blocks + 1, sizeof(int), &w->order);
-    if (!s) s = room_grow(&w->room[2], MOST_SUMS * (rows->blocks + 1L), sizeof(double), &w->mine);
-    if (!s) s = room_grow(&w->room[3], (long)MOST_SUMS * w->blocks, sizeof(double), &w->sums);
+    status s = ROOM_GROW(&w->room, w->order, 3L * w->blocks + 1);
+    if (!s) s = ROOM_GROW(&w->room, w->mine, MOST_SUMS * (rows->blocks + 1L));
+    if (!s) s = ROOM_GROW(&w->room, w->sums, (long)MOST_SUMS * w->blocks);
     TRY(comm_agree(m->comm, s));
     w->rows = w->order + w->blocks;
     w->base = w->rows + w->blocks;
@@ -134,7 +134,7 @@ status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct lev
         to->ghosts = 0;
         return OK;
     }
-    status s = room_grow(&to->room[14], 2L * to->rows + 2L * l->ghosts, sizeof(int), &to->name);
+    status s = ROOM_GROW(&to->room, to->name, 2L * to->rows + 2L * l->ghosts);
     if (!s && fine) s = allocate(&ghost, m->total, sizeof *ghost, "the ghosts of aggregates");
     TRY(comm_agree(m->comm, s));
     name = to->name + l->ghosts;
@@ -173,15 +173,15 @@ status multigrid_links_lay(struct multigrid *m, struct level *l) {
     int *place = NULL, *all = NULL, *mine = NULL;
     const int n = m->ranks;
     if (n == 1) return OK;
-    status s = room_grow(&l->room[15], (long)l->edges + l->ghosts + 2L * n + 1, sizeof(int), &l->send);
-    if (!s) s = room_grow(&l->room[16], l->edges, sizeof(double), &l->mine);
+    status s = ROOM_GROW(&l->room, l->send, (long)l->edges + l->ghosts + 2L * n + 1);
+    if (!s) s = ROOM_GROW(&l->room, l->mine, l->edges);
     TRY(comm_agree(m->comm, s));
     l->from = l->send + l->edges;
     l->share_count = l->from + l->ghosts;
     l->share_first = l->share_count + n;
     find_sent(m, l);
     TRY(comm_share_count(m->comm, l->sent, l->share_count, l->share_first));
-    s = room_grow(&l->room[17], l->share_first[n], sizeof(double), &l->shared);
+    s = ROOM_GROW(&l->room, l->shared, l->share_first[n]);
     if (!s) s = allocate(&place, m->total, sizeof *place, "the ghosts of aggregates");
     if (!s) s = allocate(&all, l->share_first[n] + (long)l->sent + l->rows, sizeof *all, "the ghosts of aggregates");
     s = comm_agree(m->comm, s);
@@ -236,10 +236,10 @@ status multigrid_gather_lay(struct multigrid *m) {
     if (n == 1) return OK;
     TRY(comm_share_count(m->comm, (long)l->rows + l->links, w->pack_count, w->pack_first));
     const long numbers = w->pack_first[n];
-    status s = room_grow(&w->room[4], 2L * rows + 1 + numbers, sizeof(int), &w->at);
-    if (!s) s = room_grow(&w->room[5], numbers + rows, sizeof(double), &w->weight);
-    if (!s) s = room_grow(&w->room[6], numbers + l->links + l->rows, sizeof(double), &w->packed);
-    if (!s) s = room_grow(&w->room[7], rows, sizeof(double), &w->residual);
+    status s = ROOM_GROW(&w->room, w->at, 2L * rows + 1 + numbers);
+    if (!s) s = ROOM_GROW(&w->room, w->weight, numbers + rows);
+    if (!s) s = ROOM_GROW(&w->room, w->packed, numbers + l->links + l->rows);
+    if (!s) s = ROOM_GROW(&w->room, w->residual, rows);
     if (!s) s = allocate(&pack, numbers + l->links + 2L * l->rows, sizeof *pack, "a matrix of all ranks");
     s = comm_agree(m->comm, s);
     if (!s) {

@@ -4,7 +4,7 @@
 #ifndef TESTS_MULTIGRID_GRID_H
 #define TESTS_MULTIGRID_GRID_H
 
-#include "libcore/acoustics/multigrid.h"
+#include "libcore/multigrid/multigrid.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The multigrid: solutions, their bits on any ranks, iterations on growing grids, what is special. */
-#include "libcore/acoustics/multigrid_private.h"
-#include "tests/libcore/acoustics/multigrid_grid.h"
+#include "libcore/multigrid/multigrid_private.h"
+#include "tests/libcore/multigrid/multigrid_grid.h"
 
 #include "tests/checks.h" /* last: cmocka.h defines fail() */
 

@@ -3,15 +3,14 @@
 #ifndef LIBCORE_MULTIGRID_PRIVATE_H
 #define LIBCORE_MULTIGRID_PRIVATE_H
 
-#include "libcore/acoustics/multigrid.h"
-#include "libcore/acoustics/room.h"
 #include "libcore/models/kernel.h"
+#include "libcore/multigrid/multigrid.h"
+#include "libcore/multigrid/room.h"
 
 enum {
     SPREAD_LEVELS = 3, /* at most so many levels have their rows on their ranks; coarser ones have all on every rank */
     MOST_LEVELS = 24,
-    MOST_SUMS = 8,
-    ROOMS = 20
+    MOST_SUMS = 8
 };
 enum { INSIDE = -1, DROPPED = -2 }; /* links and rows that the coarser matrix does not have */
 
@@ -41,8 +40,10 @@ struct level {
     double *mine, *shared;          /* [sent], [all that is shared] */
     int *name;                      /* [ghosts] the row that each is in the order of all rows */
     bool spread;                    /* are the rows on their ranks? else all are on every rank */
+    int *marks, *groups;            /* scratch of multigrid_lay and multigrid_aggregate */
+    double *masses;
     const struct multigrid_rows *own; /* of the finest level: who fills ghosts; else NULL */
-    struct room room[ROOMS];
+    struct room room;
 };
 
 /* L L' = A inside the envelope: row i has the columns low[i] to i - 1, from entry[start[i]] on. */
@@ -50,7 +51,7 @@ struct direct {
     int rows, *low;
     long *start;
     double *entry, *inverse; /* inverse: one over L's diagonal; 0 where A is singular */
-    struct room room[4];
+    struct room room;
 };
 
 /* Tables of the blocks and rows of all ranks, which each rank has if there are several. Index j counts blocks in the
@@ -69,7 +70,7 @@ struct world {
     int *at;                      /* [rows of all] where each row begins in what is packed */
     int *first_link, *link;       /* [rows of all + 1], [links of all]: the matrix of all rows */
     double *weight, *excess;
-    struct room room[ROOMS];
+    struct room room;
 };
 
 struct multigrid {
@@ -81,9 +82,10 @@ struct multigrid {
     struct level local;              /* this rank's rows of level[spread] */
     struct direct direct;            /* of the coarsest level */
     struct world world;
+    int *block;     /* [blocks + 1] of the caller's rows */
     double *excess; /* [rows] of the caller's matrix */
     double *p, *q;  /* [rows + ghosts] of the conjugate gradients: direction, its image */
-    struct room room[4];
+    struct room room;
 };
 
 /* multigrid_levels.c. part NULL: each row is its own aggregate. multigrid_lay lays out the matrix of the sums over

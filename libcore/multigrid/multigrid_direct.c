@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solves a system of all rows directly, by Cholesky's factors inside the envelope. */
-#include "libcore/acoustics/multigrid_private.h"
+#include "libcore/multigrid/multigrid_private.h"
 
 status multigrid_direct_lay(const struct level *l, struct direct *d) {
     d->rows = l->rows;
-    TRY(room_grow(&d->room[0], l->rows, sizeof(int), &d->low));
-    TRY(room_grow(&d->room[1], l->rows + 1, sizeof(long), &d->start));
-    TRY(room_grow(&d->room[2], l->rows, sizeof(double), &d->inverse));
+    TRY(ROOM_GROW(&d->room, d->low, l->rows));
+    TRY(ROOM_GROW(&d->room, d->start, l->rows + 1));
+    TRY(ROOM_GROW(&d->room, d->inverse, l->rows));
     d->start[0] = 0;
     for (int i = 0; i < l->rows; i++) {
         int low = i;
@@ -15,7 +15,7 @@ status multigrid_direct_lay(const struct level *l, struct direct *d) {
         d->low[i] = low;
         d->start[i + 1] = d->start[i] + i - low;
     }
-    return room_grow(&d->room[3], d->start[l->rows], sizeof(double), &d->entry);
+    return ROOM_GROW(&d->room, d->entry, d->start[l->rows]);
 }
 
 static double dot(int n, const double *a, const double *b) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Prepares a multigrid for a matrix: its levels from the finest to the coarsest, and the factors of that. */
-#include "libcore/acoustics/multigrid_private.h"
+#include "libcore/multigrid/multigrid_private.h"
 
 #include <stdlib.h>
 
@@ -21,11 +21,11 @@ status multigrid_make(const struct comm *c, struct multigrid **out) {
 
 void multigrid_free(struct multigrid *m) {
     if (!m) return;
-    for (int l = 0; l < MOST_LEVELS; l++) room_forget(m->level[l].room, ROOMS);
-    room_forget(m->local.room, ROOMS);
-    room_forget(m->direct.room, 4);
-    room_forget(m->world.room, ROOMS);
-    room_forget(m->room, 4);
+    for (int l = 0; l < MOST_LEVELS; l++) room_free(&m->level[l].room);
+    room_free(&m->local.room);
+    room_free(&m->direct.room);
+    room_free(&m->world.room);
+    room_free(&m->room);
     free(m);
 }
 
@@ -51,7 +51,7 @@ static status copy_lay(const struct matrix *a, struct level *to) {
     to->rows = a->rows;
     to->ghosts = a->ghosts;
     to->blocks = a->blocks;
-    TRY(room_grow(&to->room[13], a->blocks + 1L, sizeof(int), &to->block));
+    TRY(ROOM_GROW(&to->room, to->block, a->blocks + 1L));
     memcpy(to->block, a->block, (size_t)(a->blocks + 1) * sizeof *to->block);
     TRY(multigrid_lay(a, NULL, to));
     return multigrid_vectors(to);
@@ -147,7 +147,8 @@ static void refill(struct multigrid *m, const struct multigrid_rows *rows, const
 static status begin(struct multigrid *m, const struct multigrid_rows *rows, bool *direct) {
     struct level counted = {.rows = rows->rows, .blocks = rows->blocks};
     TRY(multigrid_meet(m, rows));
-    TRY(comm_agree(m->comm, room_grow(&m->room[2], rows->blocks + 1L, sizeof(int), &counted.block)));
+    TRY(comm_agree(m->comm, ROOM_GROW(&m->room, m->block, rows->blocks + 1L)));
+    counted.block = m->block;
     memcpy(counted.block, rows->first, ((size_t)rows->blocks + 1) * sizeof *counted.block);
     TRY(multigrid_count(m, &counted));
     *direct = m->total <= DIRECT || multigrid_narrow(m, rows, m->p);
@@ -158,8 +159,8 @@ status multigrid_setup(struct multigrid *m, const struct multigrid_rows *rows, b
     const bool known = same_links && m->prepared;
     const long n = (long)rows->rows + rows->ghosts;
     m->prepared = false;
-    status s = room_grow(&m->room[0], rows->rows, sizeof(double), &m->excess);
-    if (!s) s = room_grow(&m->room[1], 2 * n, sizeof(double), &m->p);
+    status s = ROOM_GROW(&m->room, m->excess, rows->rows);
+    if (!s) s = ROOM_GROW(&m->room, m->p, 2 * n);
     TRY(comm_agree(m->comm, s));
     m->q = m->p + n;
     const struct matrix a = callers_matrix(m, rows);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Makes a matrix of sums over aggregates (Galerkin's with constants): first its pattern, then its numbers. */
-#include "libcore/acoustics/multigrid_private.h"
+#include "libcore/multigrid/multigrid_private.h"
 
 struct matrix multigrid_matrix(const struct level *l) {
     return (struct matrix){.rows = l->rows,
@@ -68,19 +68,20 @@ static void lay_rows(const struct matrix *a, const struct level *fine, struct le
 status multigrid_lay(const struct matrix *a, const struct level *fine, struct level *to) {
     struct marks k = {0};
     const long links = a->first[a->stride * a->rows], columns = (long)to->rows + to->ghosts;
-    TRY(room_grow(&to->room[0], links, sizeof(int), &to->map));
-    TRY(room_grow(&to->room[1], 3L * to->rows + 1, sizeof(int), &to->first));
-    TRY(room_grow(&to->room[2], links, sizeof(int), &to->link));
-    TRY(room_grow(&to->room[3], links, sizeof(double), &to->weight));
-    TRY(room_grow(&to->room[4], 3L * to->rows, sizeof(double), &to->excess));
+    TRY(ROOM_GROW(&to->room, to->map, links));
+    TRY(ROOM_GROW(&to->room, to->first, 3L * to->rows + 1));
+    TRY(ROOM_GROW(&to->room, to->link, links));
+    TRY(ROOM_GROW(&to->room, to->weight, links));
+    TRY(ROOM_GROW(&to->room, to->excess, 3L * to->rows));
     to->diagonal = to->excess + to->rows;
     to->inverse = to->diagonal + to->rows;
-    TRY(room_grow(&to->room[5], to->rows, sizeof(int), &to->edge));
-    TRY(room_grow(&to->room[6], 2 * columns + links, sizeof(int), &k.stamp));
+    TRY(ROOM_GROW(&to->room, to->edge, to->rows));
+    TRY(ROOM_GROW(&to->room, to->marks, 2 * columns + links));
+    k.stamp = to->marks;
     k.slot = k.stamp + columns;
     k.found = k.slot + columns;
     lay_rows(a, fine, to, &k);
-    TRY(room_grow(&to->room[7], 2L * to->edges, sizeof(double), &to->damp));
+    TRY(ROOM_GROW(&to->room, to->damp, 2L * to->edges));
     to->kept = to->damp + to->edges;
     return OK;
 }
@@ -122,7 +123,7 @@ void multigrid_smoother(struct level *l, const double *diagonal) {
 
 status multigrid_vectors(struct level *l) {
     const long n = ((long)l->rows + l->ghosts + 7) / 8 * 8;
-    TRY(room_grow(&l->room[8], 4 * n, sizeof(double), &l->r));
+    TRY(ROOM_GROW(&l->room, l->r, 4 * n));
     l->x = l->r + n;
     l->c = l->x + n;
     l->v = l->c + n;
