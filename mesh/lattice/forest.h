@@ -80,6 +80,7 @@ void forest_fill_tile(const struct forest *f, int t, const bool *leave);
 void forest_fill(struct forest *f, int nvar, double *const *data);
 void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data);
 void forest_fill_derivatives(struct forest *f, double *const *data);
+void forest_fill_int(struct forest *f, int *const *data); /* one layer of one variable of ints */
 
 /* Move a variable between the tiles and the order of the polyMesh. forest_gather copies every block's cells to the
  * root's all[ncells_all] (NULL on the other ranks); collective. forest_scatter copies from an array [ncells_all] that

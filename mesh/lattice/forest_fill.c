@@ -228,3 +228,34 @@ void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *d
 void forest_fill_derivatives(struct forest *f, double *const *data) {
     fill_all(f, 1, true, f->dim * (f->dim - 1), data);
 }
+
+static void copy_ints(int *to, const long to_stride[3], const int *from, const long from_stride[3], const int n[3]) {
+    for (int j = 0; j < n[2]; j++)
+        for (int i = 0; i < n[1]; i++)
+            memcpy(to + j * to_stride[2] + i * to_stride[1], from + j * from_stride[2] + i * from_stride[1],
+                   (size_t)n[0] * sizeof *to);
+}
+
+/* In a message an int has the room of a double. */
+void forest_fill_int(struct forest *f, int *const *data) {
+    const struct forest_private *h = f->hidden;
+    long packed[3], inner;
+    for (int i = 0; i < h->pack.n; i++) {
+        struct copy c = h->pack.item[i];
+        trim(f, 1, &c, &inner);
+        packed_strides(c.n, packed);
+        copy_ints((int *)h->link[c.link].out + c.to_start, packed, data[c.from] + c.from_start + inner, f->stride, c.n);
+    }
+    comm_exchange_start(h->exchange, 1);
+    comm_exchange_finish(h->exchange);
+    for (int i = 0; i < h->fill.n; i++) {
+        struct copy c = h->fill.item[i];
+        if (!trim(f, 1, &c, &inner)) continue;
+        packed_strides(c.n, packed);
+        int *to = data[c.to] + c.to_start + inner;
+        if (c.link < 0)
+            copy_ints(to, f->stride, data[c.from] + c.from_start + inner, f->stride, c.n);
+        else
+            copy_ints(to, f->stride, (int *)h->link[c.link].in + c.from_start, packed, c.n);
+    }
+}

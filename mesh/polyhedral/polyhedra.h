@@ -121,5 +121,6 @@ void polyhedra_place(const struct polyhedra *m, long cell, double place[3]);
  * work there hides the time. */
 void polyhedra_fill_start(struct polyhedra *m, int nvar, double *const *data);
 void polyhedra_fill_finish(struct polyhedra *m);
+void polyhedra_fill_int(struct polyhedra *m, int *data); /* one variable of ints, data[ncells] */
 
 #endif

@@ -119,3 +119,16 @@ void polyhedra_fill_finish(struct polyhedra *m) {
             for (int j = 0; j < n; j++) h->data[v][ghost[j]] = h->link[i].in[v * h->link[i].n + j];
     }
 }
+
+/* In a message an int has the room of a double. */
+void polyhedra_fill_int(struct polyhedra *m, int *data) {
+    struct polyhedra_private *h = m->hidden;
+    for (int i = 0; i < h->nlinks; i++)
+        for (int j = h->send_start[i]; j < h->send_start[i + 1]; j++)
+            ((int *)h->link[i].out)[j - h->send_start[i]] = data[h->send[j]];
+    comm_exchange_start(h->exchange, 1);
+    comm_exchange_finish(h->exchange);
+    for (int i = 0; i < h->nlinks; i++)
+        for (int j = h->receive_start[i]; j < h->receive_start[i + 1]; j++)
+            data[h->receive[j]] = ((int *)h->link[i].in)[j - h->receive_start[i]];
+}
