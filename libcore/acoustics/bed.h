@@ -40,14 +40,14 @@
 #include "libcore/acoustics/acoustics.h"
 #include "libcore/models/eos.h"
 #include "libcore/models/kernel.h"
+#include "libcore/multigrid/room.h"
 #include "mesh/base/comm.h"
 
 enum bed_kind {
     BED_INNER, /* between two cells of the bed */
     BED_WALL,  /* no gas passes */
     BED_KEPT,  /* towards a cell beside the bed: the flux is given (kept) */
-    BED_HELD,  /* towards an open patch whose gas (outside) has a given pressure */
-    BED_FREE   /* towards an open patch with the cell's own pressure */
+    BED_OPEN   /* towards an open patch */
 };
 
 /* The shapes of cells and faces, which the engine owns; equal ones are listed once. Vectors are along the axes that are
@@ -74,6 +74,41 @@ struct bed_blur {
     double local; /* the same of the block where it is greatest: a wave in a corner of a bed that moves elsewhere */
 };
 
+/* Cells and their faces, block by block (tile by tile): what a rank is told of them, and gets back. Cell i has the
+ * number low + i; other numbers are cells of other ranks. Numbers per volume are in SI units. */
+struct bed_set {
+    /* Lists, which hold until the set changes. */
+    int blocks, cells, ghosts, faces, low; /* ghosts: cells of other ranks behind the cells, if their states are here */
+    int *first, *number; /* [blocks + 1] first cell of a block; [blocks] number of the block over all ranks */
+    int *body, *shape;   /* [cells + ghosts], [faces] shapes */
+    int *left, *right;   /* [faces] numbers of the cells on either side; -1: none of the bed */
+    unsigned char *kind; /* [faces] enum bed_kind */
+    int *face_start, *face_of_cell; /* [cells + 1] into the lists of the cells' faces; ~face if the cell is right */
+    const struct bed_shapes *shapes;
+
+    /* States, which are set in every step. */
+    double *U[MAX_VAR];       /* [cells + ghosts] rho, rho u, E of the cells at the start; in the end the result */
+    double *start[MAX_VAR];   /* [cells] U at the start of the whole step, ahead of its sources (bed_note_start) */
+    double *outside[MAX_VAR]; /* [faces] BED_KEPT, BED_OPEN: U of the gas beyond the face, at the start */
+    double *holds; /* [faces] BED_OPEN: 1 if the gas beyond has a given pressure, 0: if it has the cell's own */
+    /* [faces] BED_KEPT: the fluxes of U from left to right, per area and time, mean over the step. In the end those of
+     * all faces but BED_INNER. On a wall they are without `balance`, which stands for the pressure that it carries. */
+    double *kept[MAX_VAR];
+    /* [left or right][faces] numbers that are added to P. They make P_L = P_R in a state that is known to be at rest,
+     * though its own P_L and P_R differ. `balanced`: are there such numbers? */
+    bool balanced;
+    double *balance[2];
+
+    /* Results */
+    double *lift, *work; /* [blocks] J: sums of the energy that lifting and gravity gave to the cells */
+    double *pushed;      /* [blocks] of bed_push */
+    double *peak;        /* [blocks] J/m^3: the greatest L/V of a cell */
+    int *peak_cell;      /* [blocks] that cell, from the block's first on */
+
+    double *cell_lines, *face_lines; /* the memory of these */
+    struct room room;
+};
+
 struct bed_lines; /* the work memory */
 struct multigrid;
 struct bed_halo;
@@ -85,68 +120,37 @@ struct bed {
     const struct comm *comm;
     struct acoustics_params params;
     int dim, components; /* solved axes; components of the velocity, which may be more: those are carried along */
-    const struct bed_shapes *shapes;
-    double limit; /* kg/m^3: densities stay below it */
+    double limit;        /* kg/m^3: densities stay below it */
 
-    /* The cells of this rank, block by block (tile by tile), then ghosts: cells of other ranks. Set by the caller after
-     * bed_size whenever the set changes. */
-    int blocks, cells, ghosts, faces;
-    int *first, *number; /* [blocks + 1] first cell of a block; [blocks] number of the block over all ranks */
-    int *body, *shape;   /* [cells + ghosts], [faces] shapes */
-    int *left, *right;   /* [faces] cell or ghost on either side; -1: none of the bed */
-    unsigned char *kind; /* [faces] enum bed_kind */
-    int *face_start, *face_of_cell; /* [cells + 1] into the lists of the cells' faces; ~face if the cell is right */
-
-    /* Set by the caller in every step; SI units, per volume: */
-    double *U[MAX_VAR];       /* [cells + ghosts] rho, rho u, E of the cells at the start; in the end the result */
-    double *start[MAX_VAR];   /* [cells] U at the start of the whole step, ahead of its sources (bed_note_start) */
-    double *kept[MAX_VAR];    /* [faces] BED_KEPT: the fluxes of U, from left to right, mean over the step */
-    double *outside[MAX_VAR]; /* [faces] BED_KEPT, BED_HELD, BED_FREE: U of the gas beyond the face, at the start */
-    /* [left or right][faces] numbers that are added to P. They make P_L = P_R in a state that is known to be at rest,
-     * though its own P_L and P_R differ. `balanced`: are there such numbers? */
-    bool balanced;
-    double *balance[2];
+    struct bed_set *home; /* the cells of this rank's mesh, which the caller lists */
+    struct bed_set set;   /* the cells that this rank computes: its share of the bed; on one rank `home` itself */
 
     /* Results of bed_step */
     int newton, linear, lifted; /* iterations of Newton's method, of its linear solver; cells of this rank lifted */
-    int worked;                 /* cells that this rank has advanced, its own or others' */
-    double *lift, *work;        /* [blocks] J: sums of the energy that lifting and gravity gave to the cells */
-    double *pushed;             /* [blocks] of bed_push */
     struct bed_blur blur;       /* the same bits on any number of ranks */
-    double *peak, *peak_cell;   /* [blocks] J/m^3: the greatest L/V of a cell; that cell, from the block's first on */
 
+    enum { BED_NEW, BED_WRITTEN, BED_DEALT, BED_LAID } stage; /* how far are lists, on their way to the multigrid? */
     struct bed_lines *lines;
     struct multigrid *multigrid;
     struct bed_halo *halo; /* messages from and to ghosts; NULL: none are sent */
-    struct bed_deal *deal; /* who works on which cells (bed_deal.c); NULL: this rank on all that it lists */
-    bool linked, laid;     /* are the links listed, and laid out by the multigrid, for the present set? */
-    long room[4];          /* blocks, cells with ghosts, faces, entries of face_of_cell that the memory has room for */
+    struct bed_deal *deal; /* who computes which cells (bed_deal.c); NULL on one rank */
 };
 
-status bed_make(struct bed *b);
+/* Makes a bed whose home has so many blocks at most; home->shapes is set then. */
+status bed_make(struct bed *b, int blocks);
 void bed_free(struct bed *b);
-/* Makes room for a set of so many blocks, cells, ghosts and faces of this rank, whose cells have so many sides. */
-status bed_size(struct bed *b, int blocks, int cells, int ghosts, int faces, int sides);
-/* After the set has changed, by the caller: gives this rank's `cells` cells the numbers *first, *first + 1, .. over all
- * ranks; when the blocks are known, learns of those of all ranks, and deals them; when cells, ghosts and faces are
- * listed, learns the numbers [ghosts] of the ghosts, each of which lies across a face of a cell and which must stay
- * where they are until the lists are written: bed_write, or else bed_step. The first two are collective; bed_link and
- * bed_write are not, so that no rank waits for one that has more to list. bed_step, which needs the lists, sends them,
- * and tells of a failure of bed_write. */
-status bed_number(struct bed *b, int cells, long *first);
-status bed_meet(struct bed *b);
-void bed_link(struct bed *b, const double *number);
+/* Begins another set, of the blocks that home->blocks, first and number tell, whose cells have so many sides: makes
+ * room, and sets home->cells and low. Then the caller lists cells and faces. Collective. */
+status bed_list(struct bed *b, int sides);
+/* Writes the lists of a new set for the ranks that will compute it. bed_step does so if it was not done before, by a
+ * rank that had time. */
 void bed_write(struct bed *b);
-/* Takes U, just set, as that at the start of the whole step. */
+/* Takes home->U, just set, as that at the start of the whole step. */
 void bed_note_start(struct bed *b);
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
- * be done again with a shorter dt; then U is lost. The ranks deal the cells among each other, by whole blocks
- * (bed_deal.c). Collective. */
+ * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
-/* Computes, after a step, the fluxes of rho, rho u and E through a face from left to right, per area and time. On a
- * wall they are without `balance`, which stands for the pressure that the wall carries. */
-void bed_face_flux(const struct bed *b, int face, double flux[MAX_VAR]);
-/* After a step: sets b->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells, the
+/* After a step: sets home->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells, the
  * latter on faces that are no walls. */
 void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis);
 

@@ -52,7 +52,7 @@ KERNEL static void blur_loss(int n, const double *restrict rho, const double *re
 static void find_loss(const struct bed *b, double dt, const double gravity[MAX_DIM], int at, int n, double *loss) {
     const struct bed_lines *x = b->lines;
     double u[MAX_DIM][BATCH], rho[BATCH], eps[BATCH], start[BATCH], c2[BATCH], gruneisen[BATCH], square[4][BATCH];
-    blur_primitives(n, b->components, (const double *const *)b->start, at, u, rho, eps);
+    blur_primitives(n, b->components, (const double *const *)b->set.start, at, u, rho, eps);
     b->eos->state(b->material, n, rho, eps, start, c2, gruneisen);
     for (int i = 0; i < 4; i++) memset(square[i], 0, (size_t)n * sizeof(double));
     for (int k = 0; k < b->dim; k++) {
@@ -65,7 +65,7 @@ static void find_loss(const struct bed *b, double dt, const double gravity[MAX_D
 
 static void add_cell(const struct bed *b, int cell, double loss, double sum[SUMS]) {
     const struct bed_lines *x = b->lines;
-    const double V = b->shapes->volume[b->body[cell]], mass = V * x->rho[cell];
+    const double V = b->set.shapes->volume[b->set.body[cell]], mass = V * x->rho[cell];
     double square = 0;
     for (int k = 0; k < b->dim; k++) {
         square += x->u[k][cell] * x->u[k][cell];
@@ -81,21 +81,22 @@ static void add_cell(const struct bed *b, int cell, double loss, double sum[SUMS
 static void sum_block(struct bed *b, double dt, const double gravity[MAX_DIM], int block, double sum[SUMS]) {
     double loss[BATCH];
     memset(sum, 0, SUMS * sizeof *sum);
-    b->peak[block] = b->peak_cell[block] = 0;
-    for (int at = b->first[block], n; at < b->first[block + 1]; at += n) {
-        n = b->first[block + 1] - at < BATCH ? b->first[block + 1] - at : BATCH;
+    b->set.peak[block] = b->set.peak_cell[block] = 0;
+    for (int at = b->set.first[block], n; at < b->set.first[block + 1]; at += n) {
+        n = b->set.first[block + 1] - at < BATCH ? b->set.first[block + 1] - at : BATCH;
         find_loss(b, dt, gravity, at, n, loss);
         for (int i = 0; i < n; i++) {
             add_cell(b, at + i, loss[i], sum);
-            if (!(loss[i] > b->peak[block])) continue;
-            b->peak[block] = loss[i];
-            b->peak_cell[block] = at + i - b->first[block];
+            if (!(loss[i] > b->set.peak[block])) continue;
+            b->set.peak[block] = loss[i];
+            b->set.peak_cell[block] = at + i - b->set.first[block];
         }
     }
 }
 
 void bed_note_start(struct bed *b) {
-    for (int v = 0; v < b->components + 2; v++) memcpy(b->start[v], b->U[v], (size_t)b->cells * sizeof(double));
+    const struct bed_set *s = b->home;
+    for (int v = 0; v < b->components + 2; v++) memcpy(s->start[v], s->U[v], (size_t)s->cells * sizeof(double));
 }
 
 /* Returns the energy of motion of a block about the mean velocity of the bed, or of the bed itself. */
@@ -111,11 +112,11 @@ static double motion_of(const struct bed *b, const double *sum, const double *al
 
 void bed_find_blur(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     double all[SUMS], local = 0;
-    for (int block = 0; block < b->blocks; block++)
+    for (int block = 0; block < b->set.blocks; block++)
         sum_block(b, dt, gravity, block, b->lines->block_sums + SUMS * block);
-    multigrid_sum_blocks(b->multigrid, b->blocks, SUMS, b->lines->block_sums, all);
+    multigrid_sum_blocks(b->multigrid, b->set.blocks, SUMS, b->lines->block_sums, all);
     const double moving = motion_of(b, all, all), heat = SLIGHT * all[HEAT];
-    for (int block = 0; block < b->blocks; block++) {
+    for (int block = 0; block < b->set.blocks; block++) {
         const double *sum = b->lines->block_sums + SUMS * block, part = sum[MASS] / all[MASS];
         const double energy = motion_of(b, sum, all) + part * (QUIET * moving + heat);
         if (sum[LOST] > 0) local = larger(local, sum[LOST] / energy);

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The deal of a bed. A bed lies where gravity puts it, perhaps in the tiles of one rank. So its blocks are dealt to all
  * ranks by the number of their cells, whoever owns the cells of the mesh: each rank is home to the cells of its own
- * mesh, and works on those that it is dealt, which are a bed of their own with ghosts of their own. All get alike
- * many: the stages of the rest and the bed's step have sums of all ranks between them, so that a rank that has less of
- * the one cannot make up for it in the other. Lists go out from home when the set has changed, states in every step;
- * results come back. As blocks stay whole the bits of a step do not depend on the deal. A face between the cells of two
- * homes is there twice, also if one rank works on both cells. Homes write the lists behind the first stage, and send
- * them after the last: the home of a bed has more to list and less to do in the stages, and so nobody waits in between.
- */
+ * mesh (b->home), and computes those that it is dealt (b->set), which have ghosts. Every rank gets the same number of
+ * cells: a global sum lies between the stages of the rest and the bed's step, so that time saved in one of them cannot
+ * be used in the other. Lists go out from home when the set has changed, states in every step; results come back. As
+ * blocks stay whole the bits of a step do not depend on the deal. A face between cells of two homes is listed twice,
+ * even if one rank computes both cells. Homes write the lists behind the first stage, and send them after the last: the
+ * home of a bed has more to list and less to do in the stages, and so nobody waits in between. */
 #include "libcore/acoustics/bed_private.h"
-#include "libcore/multigrid/room.h"
 
 #include <stdlib.h>
 
@@ -18,91 +16,62 @@ enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS };
 enum { RESULTS = 4 }; /* numbers of each block that come back */
 
 struct bed_deal {
-    struct bed worker;                 /* the cells that this rank is dealt */
+    struct bed_set home;
+    int ranks, me;
     int *cell_first;                   /* [ranks + 1] numbers of the homes' first cells over all ranks */
-    int *work_first;                   /* [ranks + 1] numbers of the first cells that each rank works on */
-    int *scratch;                      /* [ranks] */
+    int *work_first;                   /* [ranks + 1] numbers of the first cells that each rank computes */
     int *block_count, *block_first;    /* [ranks], [ranks + 1] blocks of the homes */
     int *count_out, *count_in;         /* [ranks] lengths of messages */
     int (*out)[COUNTS], (*in)[COUNTS]; /* [ranks] what this home deals to each rank; what each home deals here */
-    int *size, *number, *rank;         /* [blocks of all ranks] cells, number, who works on it */
+    int *size, *number, *rank;         /* [blocks of all ranks] cells, number, who computes it */
     int *face;                         /* [sum of out[FACES]] this home's faces in the order in which they go out */
+    int *place;                        /* scratch of list_out */
     int *lists_out, *lists_in;         /* what goes out of the lists, and what comes in */
     double *geometry;                  /* what goes out of the shapes, unless cells are boxes */
-    const double *ghost;               /* [ghosts] numbers of this home's ghosts; NULL: no lists wait to be written */
-    bool written;                      /* are there lists that have not been sent? */
-    status failed;                     /* the error because of which they could not be written */
     double *message_out, *message_in;  /* of a step */
-    struct bed_shapes shapes;          /* of worker, unless cells are boxes: a shape for each cell and each face */
-    int *places;                       /* scratch of list_out */
-    struct room room;                  /* the memory of a set of cells */
+    int *ghost;                        /* [ghosts] numbers of the ghosts of b->set over all ranks */
+    struct bed_shapes shapes;          /* of b->set, unless cells are boxes: a shape for each cell and each face */
+    struct room room;
 };
 
 static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
     int sum = 0;
-    for (int r = 0; r < comm_size(b->comm); r++) sum += count[r][what];
+    for (int r = 0; r < b->deal->ranks; r++) sum += count[r][what];
     return sum;
 }
 
 void bed_deal_free(struct bed_deal *d) {
     if (!d) return;
+    room_free(&d->home.room);
     room_free(&d->room);
-    status_free(d->failed);
-    bed_free(&d->worker);
-    free(d->cell_first);
-    free(d->out);
     free(d);
 }
 
 status bed_deal_make(struct bed *b) {
-    const int ranks = comm_size(b->comm);
+    const int n = comm_size(b->comm);
     struct bed_deal *d;
     TRY(allocate(&d, 1, sizeof *d, "the bed"));
-    d->worker = *b;
-    d->worker.lines = NULL;
     b->deal = d;
-    TRY(allocate(&d->cell_first, 7L * ranks + 3, sizeof(int), "the bed"));
-    d->work_first = d->cell_first + ranks + 1;
-    d->block_first = d->work_first + ranks + 1;
-    d->scratch = d->block_first + ranks + 1;
-    d->block_count = d->scratch + ranks;
-    d->count_out = d->block_count + ranks;
-    d->count_in = d->count_out + ranks;
-    TRY(allocate(&d->out, 2L * ranks, sizeof *d->out, "the bed"));
-    d->in = d->out + ranks;
-    TRY(allocate(&d->worker.lines, 1, sizeof *d->worker.lines, "the bed"));
-    return multigrid_make(b->comm, &d->worker.multigrid);
-}
-
-status bed_number(struct bed *b, int cells, long *first) {
-    *first = 0;
-    if (!b->deal) return OK;
-    TRY(comm_share_count(b->comm, cells, b->deal->scratch, b->deal->cell_first));
-    *first = b->deal->cell_first[comm_rank(b->comm)];
+    b->home = &d->home;
+    d->ranks = n;
+    d->me = comm_rank(b->comm);
+    TRY(ROOM_GROW(&d->room, d->cell_first, 6L * n + 3));
+    TRY(ROOM_GROW(&d->room, d->out, 2L * n));
+    d->work_first = d->cell_first + n + 1;
+    d->block_first = d->work_first + n + 1;
+    d->block_count = d->block_first + n + 1;
+    d->count_out = d->block_count + n;
+    d->count_in = d->count_out + n;
+    d->in = d->out + n;
     return OK;
 }
 
 /* ---- the lists ---- */
 
-/* Learns of the blocks of all ranks. */
-static status share_blocks(struct bed *b) {
-    struct bed_deal *d = b->deal;
-    TRY(comm_share_count(b->comm, b->blocks, d->block_count, d->block_first));
-    const int blocks = d->block_first[comm_size(b->comm)];
-    TRY(comm_agree(b->comm, ROOM_GROW(&d->room, d->size, 3L * blocks + 1)));
-    d->number = d->size + blocks;
-    d->rank = d->number + blocks;
-    for (int i = 0; i < b->blocks; i++) d->rank[i] = b->first[i + 1] - b->first[i];
-    comm_share_int(b->comm, d->rank, d->block_count, d->block_first, d->size);
-    comm_share_int(b->comm, b->number, d->block_count, d->block_first, d->number);
-    return OK;
-}
-
 /* Deals the blocks of all ranks in the order of their homes, each to the rank in whose part of all cells its middle
  * lies. */
-static void deal_blocks(struct bed *b) {
-    struct bed_deal *d = b->deal;
-    const int ranks = comm_size(b->comm);
+static void deal_blocks(struct bed_deal *d) {
+    const int ranks = d->ranks;
     const double part = (double)d->cell_first[ranks] / ranks;
     int r = 0, before = 0;
     d->work_first[0] = 0;
@@ -113,29 +82,57 @@ static void deal_blocks(struct bed *b) {
     while (r < ranks) d->work_first[++r] = before;
 }
 
-/* Lists the faces that go out, each once for every rank that works on one of its cells, and counts what goes out.
+/* Makes room for the blocks of all ranks, and for the lists that go out, at most. */
+static status make_room(struct bed *b, long sides) {
+    struct bed_deal *d = b->deal;
+    const long blocks = d->block_first[d->ranks], cells = b->home->cells;
+    TRY(ROOM_GROW(&d->room, d->size, 3 * blocks));
+    TRY(ROOM_GROW(&d->room, d->face, sides));
+    TRY(ROOM_GROW(&d->room, d->place, 3 * sides));
+    TRY(ROOM_GROW(&d->room, d->lists_out, cells + 5 * sides));
+    d->number = d->size + blocks;
+    d->rank = d->number + blocks;
+    return b->home->shapes->boxes ? OK : ROOM_GROW(&d->room, d->geometry, cells + (3 + 3 * b->dim) * sides);
+}
+
+status bed_deal_blocks(struct bed *b, int sides) {
+    struct bed_deal *d = b->deal;
+    struct bed_set *h = b->home;
+    if (!d) return OK;
+    TRY(comm_share_count(b->comm, h->cells, d->count_out, d->cell_first));
+    TRY(comm_share_count(b->comm, h->blocks, d->block_count, d->block_first));
+    TRY(comm_agree(b->comm, make_room(b, sides)));
+    for (int i = 0; i < h->blocks; i++) d->rank[i] = h->first[i + 1] - h->first[i];
+    comm_share_int(b->comm, d->rank, d->block_count, d->block_first, d->size);
+    comm_share_int(b->comm, h->number, d->block_count, d->block_first, d->number);
+    deal_blocks(d);
+    h->low = d->cell_first[d->me];
+    return OK;
+}
+
+/* Lists the faces that go out, each once for every rank that computes one of its cells, and counts what goes out.
  * place[faces]: place of each face among those that its last rank gets. entry[entries]: face_of_cell by these. */
 static void list_out(struct bed *b, int *place, int *entry) {
     struct bed_deal *d = b->deal;
-    const int first = d->block_first[comm_rank(b->comm)];
-    int *rank = place + b->faces, faces = 0;
-    memset(d->out, 0, (size_t)comm_size(b->comm) * sizeof *d->out);
-    for (int f = 0; f < b->faces; f++) rank[f] = -1;
-    for (int block = 0; block < b->blocks; block++) {
-        const int to = d->rank[first + block], begin = b->face_start[b->first[block]];
+    const struct bed_set *h = b->home;
+    int *rank = place + h->faces, faces = 0;
+    memset(d->out, 0, (size_t)d->ranks * sizeof *d->out);
+    for (int f = 0; f < h->faces; f++) rank[f] = -1;
+    for (int block = 0; block < h->blocks; block++) {
+        const int to = d->rank[d->block_first[d->me] + block];
         int *count = d->out[to];
         count[BLOCKS]++;
-        count[CELLS] += b->first[block + 1] - b->first[block];
-        for (int j = begin; j < b->face_start[b->first[block + 1]]; j++) {
-            const struct bed_side s = bed_side(b, j);
+        count[CELLS] += h->first[block + 1] - h->first[block];
+        for (int j = h->face_start[h->first[block]]; j < h->face_start[h->first[block + 1]]; j++) {
+            const int listed = h->face_of_cell[j], face = listed < 0 ? ~listed : listed;
             count[ENTRIES]++;
-            if (rank[s.face] != to) {
-                rank[s.face] = to;
-                place[s.face] = count[FACES]++;
-                d->face[faces++] = s.face;
-                count[OUTER] += b->kind[s.face] != BED_INNER;
+            if (rank[face] != to) {
+                rank[face] = to;
+                place[face] = count[FACES]++;
+                d->face[faces++] = face;
+                count[OUTER] += h->kind[face] != BED_INNER;
             }
-            entry[j] = s.right ? ~place[s.face] : place[s.face];
+            entry[j] = listed < 0 ? ~place[face] : place[face];
         }
     }
 }
@@ -146,15 +143,21 @@ static double *move(double *line, long n, double *message, bool out) {
     return message + n;
 }
 
+/* Does the same with ints, each of which has the room of a double in the message. */
+static double *move_ints(int *list, long n, double *message, bool out) {
+    memcpy(out ? (void *)message : list, out ? (void *)list : message, (size_t)n * sizeof *list);
+    return message + n;
+}
+
 /* Numbers of a message for each thing. */
 struct per {
     int of[COUNTS];
 };
 
-/* Counts what goes from home to those who work on it, or back, per.of[what] numbers of each thing. */
+/* Counts what goes from home to those who compute it, or back, per.of[what] numbers of each thing. */
 static void count(const struct bed *b, const struct per *per, bool back) {
     const struct bed_deal *d = b->deal;
-    for (int r = 0; r < comm_size(b->comm); r++) {
+    for (int r = 0; r < d->ranks; r++) {
         d->count_out[r] = d->count_in[r] = 0;
         for (int k = 0; k < COUNTS; k++) {
             d->count_out[r] += per->of[k] * (back ? d->in : d->out)[r][k];
@@ -194,48 +197,57 @@ static int face_lines(const struct bed_shapes *s, int dim, double *line[3 + 3 * 
     return n;
 }
 
-static int *write_face(const struct bed *b, int face, int *to) {
-    const int side[2] = {b->left[face], b->right[face]}, first = b->deal->cell_first[comm_rank(b->comm)];
-    for (int i = 0; i < 2; i++)
-        *to++ = side[i] < 0 ? -1 : side[i] < b->cells ? first + side[i] : (int)b->deal->ghost[side[i] - b->cells];
-    *to++ = b->kind[face];
-    *to++ = b->shape[face];
-    return to;
-}
-
 static void write_lists(const struct bed *b, const int *entry) {
     const struct bed_deal *d = b->deal;
+    const struct bed_set *h = b->home;
     const int *face = d->face;
     int *to = d->lists_out;
-    for (int r = 0, cell = 0; r < comm_size(b->comm); r++) {
-        const int end = cell + d->out[r][CELLS], entries = b->face_start[end] - b->face_start[cell];
-        for (int i = cell; i < end; i++) *to++ = b->face_start[i + 1] - b->face_start[i];
-        memcpy(to, entry + b->face_start[cell], (size_t)entries * sizeof *to);
+    for (int r = 0, cell = 0; r < d->ranks; r++) {
+        const int end = cell + d->out[r][CELLS], entries = h->face_start[end] - h->face_start[cell];
+        for (int i = cell; i < end; i++) *to++ = h->face_start[i + 1] - h->face_start[i];
+        memcpy(to, entry + h->face_start[cell], (size_t)entries * sizeof *to);
         to += entries;
-        for (int k = 0; k < d->out[r][FACES]; k++) to = write_face(b, *face++, to);
+        for (const int *last = face + d->out[r][FACES]; face < last; face++) {
+            *to++ = h->left[*face];
+            *to++ = h->right[*face];
+            *to++ = h->kind[*face];
+            *to++ = h->shape[*face];
+        }
         cell = end;
     }
 }
 
 static void write_geometry(const struct bed *b) {
     const struct bed_deal *d = b->deal;
+    const struct bed_set *h = b->home;
     const int *face = d->face;
     double *line[3 + 3 * MAX_DIM], *to = d->geometry;
-    const int lines = face_lines(b->shapes, b->dim, line);
-    for (int r = 0, cell = 0; r < comm_size(b->comm); r++) {
-        for (const int end = cell + d->out[r][CELLS]; cell < end; cell++) *to++ = b->shapes->volume[b->body[cell]];
+    const int lines = face_lines(h->shapes, b->dim, line);
+    for (int r = 0, cell = 0; r < d->ranks; r++) {
+        for (const int end = cell + d->out[r][CELLS]; cell < end; cell++) *to++ = h->shapes->volume[h->body[cell]];
         for (int k = 0; k < d->out[r][FACES]; k++, face++)
-            for (int i = 0; i < lines; i++) *to++ = line[i][b->shape[*face]];
+            for (int i = 0; i < lines; i++) *to++ = line[i][h->shape[*face]];
     }
+}
+
+void bed_write(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    if (b->stage != BED_NEW) return;
+    b->stage = BED_WRITTEN;
+    if (!d) return;
+    int *const entry = d->place + 2 * b->home->faces;
+    list_out(b, d->place, entry);
+    write_lists(b, entry);
+    if (!b->home->shapes->boxes) write_geometry(b);
 }
 
 /* Counts the ends of faces that are cells of other ranks. */
 static int count_ghosts(const struct bed *b) {
     const struct bed_deal *d = b->deal;
-    const int me = comm_rank(b->comm), low = d->work_first[me], high = d->work_first[me + 1];
+    const int low = d->work_first[d->me], high = d->work_first[d->me + 1];
     const int *from = d->lists_in;
     int ghosts = 0;
-    for (int r = 0; r < comm_size(b->comm); r++) {
+    for (int r = 0; r < d->ranks; r++) {
         from += d->in[r][CELLS] + d->in[r][ENTRIES];
         for (int k = 0; k < d->in[r][FACES]; k++, from += of_lists.of[FACES])
             for (int i = 0; i < 2; i++) ghosts += from[i] >= 0 && (from[i] < low || from[i] >= high);
@@ -243,63 +255,62 @@ static int count_ghosts(const struct bed *b) {
     return ghosts;
 }
 
-/* Makes the shapes of the worker's cells and faces. */
+/* Makes the shapes of the cells and faces of b->set. */
 static status make_geometry(struct bed *b) {
     struct bed_deal *d = b->deal;
-    struct bed *w = &d->worker;
-    const long cells = (long)w->cells + w->ghosts;
+    struct bed_set *s = &b->set;
+    const long cells = (long)s->cells + s->ghosts;
     double *next;
-    w->shapes = b->shapes;
-    w->balanced = b->balanced;
-    if (b->shapes->boxes) return OK;
-    w->shapes = &d->shapes;
-    TRY(ROOM_GROW(&d->room, d->shapes.volume, cells + (3L + 3 * b->dim) * w->faces));
+    s->shapes = b->home->shapes;
+    if (s->shapes->boxes) return OK;
+    s->shapes = &d->shapes;
+    TRY(ROOM_GROW(&d->room, d->shapes.volume, cells + (3L + 3 * b->dim) * s->faces));
     next = d->shapes.volume + cells;
     d->shapes.area = next;
-    for (int side = 0; side < 2; side++) d->shapes.depth[side] = next += w->faces;
+    for (int side = 0; side < 2; side++) d->shapes.depth[side] = next += s->faces;
     for (int k = 0; k < b->dim; k++) {
-        d->shapes.normal[k] = next += w->faces;
-        for (int side = 0; side < 2; side++) d->shapes.arm[side][k] = next += w->faces;
+        d->shapes.normal[k] = next += s->faces;
+        for (int side = 0; side < 2; side++) d->shapes.arm[side][k] = next += s->faces;
     }
     return OK;
 }
 
-/* Reads a face of the worker; each end that is a cell of another rank is a ghost of its own. number[ghosts]: their
- * numbers, of which `ghosts` are known. */
-static const int *read_face(struct bed *w, const int range[2], int face, int *ghosts, double *number, const int *from) {
-    int *const side[2] = {w->left + face, w->right + face};
+/* Reads a face; each end that is a cell of another rank is a ghost of its own, of which `ghosts` are known. */
+static const int *read_face(struct bed *b, int face, int *ghosts, const int *from) {
+    struct bed_set *s = &b->set;
+    const int low = b->deal->work_first[b->deal->me];
+    int *const side[2] = {s->left + face, s->right + face};
     for (int i = 0; i < 2; i++) {
-        const int name = *from++;
-        *side[i] = name < 0 ? -1 : name - range[0];
-        if (name < 0 || (name >= range[0] && name < range[1])) continue;
-        number[*ghosts] = name;
-        *side[i] = w->cells + (*ghosts)++;
+        const int number = *from++;
+        *side[i] = number < 0 ? -1 : number - low;
+        if (number < 0 || (number >= low && number < low + s->cells)) continue;
+        b->deal->ghost[*ghosts] = number;
+        *side[i] = s->cells + (*ghosts)++;
     }
-    w->kind[face] = (unsigned char)*from++;
-    w->shape[face] = w->shapes->boxes ? *from : face;
+    s->kind[face] = (unsigned char)*from++;
+    s->shape[face] = s->shapes->boxes ? *from : face;
     return from + 1;
 }
 
-static void read_lists(struct bed *b, double *number) {
-    struct bed_deal *d = b->deal;
-    struct bed *w = &d->worker;
+static void read_lists(struct bed *b) {
+    const struct bed_deal *d = b->deal;
+    struct bed_set *s = &b->set;
     const int *from = d->lists_in;
     int cell = 0, entry = 0, face = 0, ghosts = 0;
-    for (int r = 0; r < comm_size(b->comm); r++) {
+    for (int r = 0; r < d->ranks; r++) {
         const int end = cell + d->in[r][CELLS], last = entry + d->in[r][ENTRIES], before = face;
         for (int at = entry; cell < end; cell++) {
-            w->face_start[cell] = at;
+            s->face_start[cell] = at;
             at += *from++;
         }
         for (; entry < last; entry++) {
             const int at = *from++;
-            w->face_of_cell[entry] = at < 0 ? ~(before + ~at) : before + at;
+            s->face_of_cell[entry] = at < 0 ? ~(before + ~at) : before + at;
         }
-        for (; face < before + d->in[r][FACES]; face++)
-            from = read_face(w, d->work_first + comm_rank(b->comm), face, &ghosts, number, from);
+        for (; face < before + d->in[r][FACES]; face++) from = read_face(b, face, &ghosts, from);
     }
-    w->face_start[cell] = entry;
-    for (int i = 0; i < w->cells + w->ghosts; i++) w->body[i] = b->shapes->boxes ? 0 : i;
+    s->face_start[cell] = entry;
+    for (int i = 0; i < s->cells + s->ghosts; i++) s->body[i] = s->shapes->boxes ? 0 : i;
 }
 
 static void read_geometry(struct bed *b) {
@@ -307,7 +318,7 @@ static void read_geometry(struct bed *b) {
     const double *from = d->message_in;
     double *line[3 + 3 * MAX_DIM];
     const int lines = face_lines(&d->shapes, b->dim, line);
-    for (int r = 0, cell = 0, face = 0; r < comm_size(b->comm); r++) {
+    for (int r = 0, cell = 0, face = 0; r < d->ranks; r++) {
         for (const int end = cell + d->in[r][CELLS]; cell < end; cell++) d->shapes.volume[cell] = *from++;
         for (const int end = face + d->in[r][FACES]; face < end; face++)
             for (int i = 0; i < lines; i++) line[i][face] = *from++;
@@ -315,15 +326,14 @@ static void read_geometry(struct bed *b) {
 }
 
 static void read_blocks(struct bed *b) {
-    struct bed_deal *d = b->deal;
-    struct bed *w = &d->worker;
-    const int me = comm_rank(b->comm);
+    const struct bed_deal *d = b->deal;
+    struct bed_set *s = &b->set;
     int n = 0;
-    w->first[0] = 0;
-    for (int j = 0; j < d->block_first[comm_size(b->comm)]; j++) {
-        if (d->rank[j] != me) continue;
-        w->number[n++] = d->number[j];
-        w->first[n] = w->first[n - 1] + d->size[j];
+    s->first[0] = 0;
+    for (int j = 0; j < d->block_first[d->ranks]; j++) {
+        if (d->rank[j] != d->me) continue;
+        s->number[n++] = d->number[j];
+        s->first[n] = s->first[n - 1] + d->size[j];
     }
 }
 
@@ -340,143 +350,92 @@ static status make_messages(struct bed *b) {
     return ROOM_GROW(&d->room, d->lists_in, sum_all(b, &of_lists, d->in));
 }
 
-static status make_lists(struct bed *b) {
+/* Makes the lists of b->set from what has come in. */
+static status make_set(struct bed *b) {
     struct bed_deal *d = b->deal;
-    struct bed *w = &d->worker;
-    TRY(bed_size(w, sum_of(b, d->in, BLOCKS), sum_of(b, d->in, CELLS), count_ghosts(b), sum_of(b, d->in, FACES),
-                 sum_of(b, d->in, ENTRIES)));
-    return make_geometry(b);
+    struct bed_set *s = &b->set;
+    s->blocks = sum_of(b, d->in, BLOCKS);
+    s->cells = sum_of(b, d->in, CELLS);
+    s->faces = sum_of(b, d->in, FACES);
+    s->ghosts = count_ghosts(b);
+    TRY(bed_set_blocks(s, s->blocks));
+    TRY(bed_set_size(s, b->components + 2, s->faces, sum_of(b, d->in, ENTRIES)));
+    TRY(make_geometry(b));
+    TRY(ROOM_GROW(&d->room, d->ghost, s->ghosts));
+    read_blocks(b);
+    read_lists(b);
+    return bed_halo_link(b, d->work_first, d->ghost);
 }
 
-static status write_here(struct bed *b) {
+status bed_deal_lists(struct bed *b) {
     struct bed_deal *d = b->deal;
-    const long sides = b->face_start[b->cells];
-    const struct per shapes = of_geometry(b);
-    TRY(ROOM_GROW(&d->room, d->face, 2 * sides));
-    TRY(ROOM_GROW(&d->room, d->places, 2L * b->faces + sides));
-    int *const entry = d->places + 2 * b->faces;
-    list_out(b, d->places, entry);
-    const long numbers = b->shapes->boxes ? 0 : sum_all(b, &shapes, d->out), ints = sum_all(b, &of_lists, d->out);
-    TRY(ROOM_GROW(&d->room, d->geometry, numbers + (ints + 1) / 2));
-    d->lists_out = (int *)(d->geometry + numbers);
-    write_lists(b, entry);
-    if (!b->shapes->boxes) write_geometry(b);
-    return OK;
-}
-
-void bed_link(struct bed *b, const double *number) {
-    if (b->deal) b->deal->ghost = number;
-}
-
-void bed_write(struct bed *b) {
-    struct bed_deal *d = b->deal;
-    if (!d || !d->ghost) return;
-    status_free(d->failed);
-    d->failed = write_here(b);
-    d->ghost = NULL;
-    d->written = true;
-}
-
-/* Sends what bed_write has written, and makes the worker's lists of it. */
-static status deal_out(struct bed *b) {
-    struct bed_deal *d = b->deal;
-    const status failed = d->failed;
-    d->failed = OK;
-    TRY(comm_agree(b->comm, failed));
-    for (int r = 0; r < comm_size(b->comm); r++) d->count_out[r] = d->count_in[r] = COUNTS;
+    if (!d) return OK;
+    for (int r = 0; r < d->ranks; r++) d->count_out[r] = d->count_in[r] = COUNTS;
     comm_trade_int(b->comm, d->out[0], d->count_out, d->in[0], d->count_in);
     TRY(comm_agree(b->comm, make_messages(b)));
     count(b, &of_lists, false);
     comm_trade_int(b->comm, d->lists_out, d->count_out, d->lists_in, d->count_in);
-    TRY(comm_agree(b->comm, make_lists(b)));
-    read_blocks(b);
-    read_lists(b, d->worker.U[0]);
-    TRY(bed_halo_link(&d->worker, d->work_first, d->worker.U[0]));
-    if (!b->shapes->boxes) {
-        const struct per shapes = of_geometry(b);
-        send(b, d->geometry, &shapes, false);
-        read_geometry(b);
-        bed_fill(&d->worker, 1, &d->shapes.volume);
-    }
-    d->written = false;
-    return OK;
-}
-
-status bed_meet(struct bed *b) {
-    if (!b->deal) return OK;
-    TRY(share_blocks(b));
-    deal_blocks(b);
+    TRY(comm_agree(b->comm, make_set(b)));
+    if (b->home->shapes->boxes) return OK;
+    const struct per shapes = of_geometry(b);
+    send(b, d->geometry, &shapes, false);
+    read_geometry(b);
+    bed_fill(b, 1, &d->shapes.volume);
     return OK;
 }
 
 /* ---- states and results ---- */
 
-/* Moves what a step starts from, or its results, between a message and a bed: that of home, whose faces `face` lists,
- * or the worker's, face NULL. n: what goes to, or comes from, each rank. */
-static void move_all(struct bed *b, int (*n)[COUNTS], const int *face, bool results, double *at, bool out) {
+/* Moves what a step starts from, or its results, between a message and a set: home, whose faces `face` lists, or what
+ * is computed, face NULL. n: what goes to, or comes from, each rank. */
+static void move_all(const struct bed *b, struct bed_set *s, const int *face, bool results, double *at, bool out) {
     const int last = b->components + 1;
-    for (int r = 0, cell = 0, block = 0, before = 0; r < comm_size(b->comm); r++) {
-        for (int v = 0; v <= last; v++) at = move(b->U[v] + cell, n[r][CELLS], at, out);
-        for (int v = 0; v <= last && !results; v++) at = move(b->start[v] + cell, n[r][CELLS], at, out);
+    int(*const n)[COUNTS] = face ? b->deal->out : b->deal->in;
+    for (int r = 0, cell = 0, block = 0, before = 0; r < b->deal->ranks; r++) {
+        for (int v = 0; v <= last; v++) at = move(s->U[v] + cell, n[r][CELLS], at, out);
+        for (int v = 0; v <= last && !results; v++) at = move(s->start[v] + cell, n[r][CELLS], at, out);
         for (int i = before; i < before + n[r][FACES]; i++) {
             const int f = face ? face[i] : i;
-            for (int side = 0; side < 2 && b->balanced && !results; side++) at = move(b->balance[side] + f, 1, at, out);
-            if (b->kind[f] == BED_INNER) continue;
-            double kind = b->kind[f];
-            if (!results) at = move(&kind, 1, at, out);
-            b->kind[f] = (unsigned char)kind;
-            for (int v = 0; v <= last && !results; v++) at = move(b->outside[v] + f, 1, at, out);
-            for (int v = 0; v <= last; v++) at = move(b->kept[v] + f, 1, at, out);
+            for (int side = 0; side < 2 && s->balanced && !results; side++) at = move(s->balance[side] + f, 1, at, out);
+            if (s->kind[f] == BED_INNER) continue;
+            if (!results) at = move(s->holds + f, 1, at, out);
+            for (int v = 0; v <= last && !results; v++) at = move(s->outside[v] + f, 1, at, out);
+            for (int v = 0; v <= last; v++) at = move(s->kept[v] + f, 1, at, out);
         }
-        double *const line[RESULTS] = {b->lift, b->work, b->peak, b->peak_cell};
-        for (int i = 0; i < RESULTS && results; i++) at = move(line[i] + block, n[r][BLOCKS], at, out);
+        double *const line[] = {s->lift, s->work, s->peak};
+        for (int i = 0; i < RESULTS - 1 && results; i++) at = move(line[i] + block, n[r][BLOCKS], at, out);
+        if (results) at = move_ints(s->peak_cell + block, n[r][BLOCKS], at, out);
         cell += n[r][CELLS];
         block += n[r][BLOCKS];
         before += n[r][FACES];
     }
 }
 
-/* Takes the results home, where the fluxes through faces go to the lines of `kept`. */
-static void take_results(struct bed *b) {
+void bed_deal_states(struct bed *b) {
     struct bed_deal *d = b->deal;
-    struct bed *w = &d->worker;
     const int variables = b->components + 2;
-    for (int f = 0; f < w->faces; f++) {
-        double flux[MAX_VAR];
-        if (w->kind[f] == BED_INNER) continue;
-        bed_face_flux(w, f, flux);
-        for (int v = 0; v < variables; v++) w->kept[v][f] = flux[v];
-    }
-    move_all(w, d->in, NULL, true, d->message_out, true);
+    if (!d) return;
+    b->set.balanced = b->home->balanced;
+    move_all(b, b->home, d->face, false, d->message_out, true);
+    send(b, d->message_out,
+         &(struct per){{[CELLS] = 2 * variables, [FACES] = b->set.balanced ? 2 : 0, [OUTER] = 2 * variables + 1}},
+         false);
+    move_all(b, &b->set, NULL, false, d->message_in, false);
+}
+
+void bed_deal_results(struct bed *b) {
+    struct bed_deal *d = b->deal;
+    const int variables = b->components + 2;
+    if (!d) return;
+    move_all(b, &b->set, NULL, true, d->message_out, true);
     send(b, d->message_out, &(struct per){{[CELLS] = variables, [OUTER] = variables, [BLOCKS] = RESULTS}}, true);
-    move_all(b, d->out, d->face, true, d->message_in, false);
+    move_all(b, b->home, d->face, true, d->message_in, false);
 }
 
-status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+void bed_deal_pushed(struct bed *b) {
     struct bed_deal *d = b->deal;
-    struct bed *w = &d->worker;
-    const int variables = b->components + 2;
-    const struct per per = {{[CELLS] = 2 * variables, [FACES] = b->balanced ? 2 : 0, [OUTER] = 2 * variables + 1}};
-    bed_write(b);
-    if (d->written) TRY(deal_out(b));
-    w->balanced = b->balanced;
-    move_all(b, d->out, d->face, false, d->message_out, true);
-    send(b, d->message_out, &per, false);
-    move_all(w, d->in, NULL, false, d->message_in, false);
-    TRY(bed_step(w, dt, gravity, done));
-    b->newton = w->newton;
-    b->linear = w->linear;
-    b->lifted = w->lifted;
-    b->worked = w->worked;
-    b->blur = w->blur;
-    if (*done) take_results(b);
-    return OK;
-}
-
-void bed_deal_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis) {
-    struct bed_deal *d = b->deal;
-    bed_push(&d->worker, dt, gravity, axis);
-    memcpy(d->message_out, d->worker.pushed, (size_t)d->worker.blocks * sizeof(double));
+    if (!d) return;
+    memcpy(d->message_out, b->set.pushed, (size_t)b->set.blocks * sizeof(double));
     send(b, d->message_out, &(struct per){{[BLOCKS] = 1}}, true);
-    memcpy(b->pushed, d->message_in, (size_t)b->blocks * sizeof(double));
+    memcpy(b->home->pushed, d->message_in, (size_t)b->home->blocks * sizeof(double));
 }

@@ -51,22 +51,25 @@ static int owner_of(const struct bed_halo *h, int ranks, int number) {
     int low = 0, high = ranks;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        *(h->first[middle] <= number ? &low : &high) = middle;
+        if (h->first[middle] <= number)
+            low = middle;
+        else
+            high = middle;
     }
     return low;
 }
 
 /* Lists a parcel each way for each face between a cell and a ghost. Links are mutual: what a rank sends to another by
  * the numbers of its own cells is what that one expects by the numbers of its ghosts. */
-static void list_parcels(const struct bed *b, const double *number) {
+static void list_parcels(const struct bed *b, const int *number) {
     struct bed_halo *h = b->halo;
     const int ranks = comm_size(b->comm);
     h->parcels = 0;
-    for (int f = 0; f < b->faces; f++) {
-        const bool left = b->left[f] >= b->cells;
-        const int ghost = left ? b->left[f] : b->right[f], cell = left ? b->right[f] : b->left[f];
-        if (ghost < b->cells) continue;
-        const int name = (int)number[ghost - b->cells], owner = owner_of(h, ranks, name);
+    for (int f = 0; f < b->set.faces; f++) {
+        const bool left = b->set.left[f] >= b->set.cells;
+        const int ghost = left ? b->set.left[f] : b->set.right[f], cell = left ? b->set.right[f] : b->set.left[f];
+        if (ghost < b->set.cells) continue;
+        const int name = number[ghost - b->set.cells], owner = owner_of(h, ranks, name);
         h->out[h->parcels] = (struct parcel){owner, cell, cell};
         h->in[h->parcels++] = (struct parcel){owner, name - h->first[owner], ghost};
     }
@@ -76,11 +79,11 @@ static void list_parcels(const struct bed *b, const double *number) {
 
 static int count_faces(const struct bed *b) {
     int n = 0;
-    for (int f = 0; f < b->faces; f++) n += b->left[f] >= b->cells || b->right[f] >= b->cells;
+    for (int f = 0; f < b->set.faces; f++) n += b->set.left[f] >= b->set.cells || b->set.right[f] >= b->set.cells;
     return n;
 }
 
-static status link_here(struct bed *b, const int *first, const double *number) {
+status bed_halo_link(struct bed *b, const int *first, const int *number) {
     const int n = count_faces(b), lines = b->components + 2;
     if (!b->halo) TRY(allocate(&b->halo, 1, sizeof *b->halo, "the bed"));
     struct bed_halo *h = b->halo;
@@ -101,10 +104,6 @@ static status link_here(struct bed *b, const int *first, const double *number) {
             (struct comm_link){h->in[h->start[l]].rank, h->start[l + 1] - h->start[l], mine, mine + (long)lines * n};
     }
     return comm_exchange_make(b->comm, h->links, h->link, &h->exchange);
-}
-
-status bed_halo_link(struct bed *b, const int *first, const double *number) {
-    return comm_agree(b->comm, link_here(b, first, number));
 }
 
 void bed_fill_send(const struct bed *b, int n, const double *const *line) {

@@ -20,59 +20,59 @@ static const double FALL = 0.1, RISE = 1e4; /* bounds of p over its old value in
 /* Returns u.n of the gas beyond a face. */
 static double beyond_speed(const struct bed *b, int face) {
     double u[MAX_DIM];
-    for (int k = 0; k < b->dim; k++) u[k] = b->outside[k + 1][face] / b->outside[0][face];
-    return bed_along(b, b->shapes->normal, b->shape[face], u);
+    for (int k = 0; k < b->dim; k++) u[k] = b->set.outside[k + 1][face] / b->set.outside[0][face];
+    return bed_along(b, b->set.shapes->normal, b->set.shape[face], u);
 }
 
 static double pressure_beyond(const struct bed *b, int face) {
     double square = 0, p, c2, gruneisen;
-    const double rho = b->outside[0][face];
-    for (int k = b->components; k >= 1; k--) square += b->outside[k][face] * b->outside[k][face];
-    const double eps = (b->outside[b->components + 1][face] - 0.5 * square / rho) / rho;
+    const double rho = b->set.outside[0][face];
+    for (int k = b->components; k >= 1; k--) square += b->set.outside[k][face] * b->set.outside[k][face];
+    const double eps = (b->set.outside[b->components + 1][face] - 0.5 * square / rho) / rho;
     b->eos->state(b->material, 1, &rho, &eps, &p, &c2, &gruneisen);
     return p;
 }
 
 /* Returns the velocity U with which the gas of the upwind side makes the mass flux that is kept for the face. */
 static double kept_speed(const struct bed *b, int face) {
-    const double mass = b->kept[0][face];
-    const int left = b->left[face], right = b->right[face];
+    const double mass = b->set.kept[0][face];
+    const int left = b->set.left[face], right = b->set.right[face];
     const bool from_bed = mass > 0 ? left >= 0 : right >= 0;
-    return mass / (from_bed ? b->lines->rho[left >= 0 ? left : right] : b->outside[0][face]);
+    return mass / (from_bed ? b->lines->rho[left >= 0 ? left : right] : b->set.outside[0][face]);
 }
 
 /* Finds drift and give of a face that gas passes, U_f = drift - give (p_R - p_L): the weights, by which P_R - P_L
  * differs from p_R - p_L, are in drift. */
 static void find_open_drift(struct bed *b, int f, double dt, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
-    const int l = b->left[f], r = b->right[f], shape = b->shape[f];
-    const bool inner = b->kind[f] == BED_INNER;
-    const double rho_l = l >= 0 ? x->rho[l] : b->outside[0][f], rho_r = r >= 0 ? x->rho[r] : b->outside[0][f];
+    const int l = b->set.left[f], r = b->set.right[f], shape = b->set.shape[f];
+    const bool inner = b->set.kind[f] == BED_INNER;
+    const double rho_l = l >= 0 ? x->rho[l] : b->set.outside[0][f], rho_r = r >= 0 ? x->rho[r] : b->set.outside[0][f];
     const double u_l = l >= 0 ? bed_normal_speed(b, x->u, l, shape) : beyond_speed(b, f);
     const double u_r = r >= 0 ? bed_normal_speed(b, x->u, r, shape) : beyond_speed(b, f);
-    const double both = rho_l + rho_r, apart = b->shapes->depth[0][shape] + b->shapes->depth[1][shape];
+    const double both = rho_l + rho_r, apart = b->set.shapes->depth[0][shape] + b->set.shapes->depth[1][shape];
     const double weight = bed_weight(b, f, 0, rho_l, gravity) - bed_weight(b, f, 1, rho_r, gravity);
     const double give = dt / (0.5 * both * apart);
     x->drift[f] = (rho_l * u_l + rho_r * u_r) / both + give * weight;
-    if (inner ? l != r : b->kind[f] == BED_HELD) x->give[f] = give;
-    if (!inner) x->beyond[f] = b->kind[f] == BED_HELD ? pressure_beyond(b, f) : x->p[l >= 0 ? l : r];
+    if (inner ? l != r : b->set.holds[f] > 0) x->give[f] = give;
+    if (!inner) x->beyond[f] = b->set.holds[f] > 0 ? pressure_beyond(b, f) : x->p[l >= 0 ? l : r];
 }
 
 static void find_drift(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
-    for (int f = 0; f < b->faces; f++) {
+    for (int f = 0; f < b->set.faces; f++) {
         x->give[f] = x->beyond[f] = x->drift[f] = 0;
-        if (b->kind[f] == BED_KEPT)
+        if (b->set.kind[f] == BED_KEPT)
             x->drift[f] = kept_speed(b, f);
-        else if (b->kind[f] != BED_WALL)
+        else if (b->set.kind[f] != BED_WALL)
             find_open_drift(b, f, dt, gravity);
     }
 }
 
 static void find_speeds(struct bed *b) {
     const struct bed_lines *x = b->lines;
-    for (int f = 0; f < b->faces; f++) {
-        const int l = b->left[f], r = b->right[f];
+    for (int f = 0; f < b->set.faces; f++) {
+        const int l = b->set.left[f], r = b->set.right[f];
         const double p_l = l >= 0 ? x->p[l] : x->beyond[f], p_r = r >= 0 ? x->p[r] : x->beyond[f];
         x->U[f] = x->drift[f] - x->give[f] * (p_r - p_l);
     }
@@ -130,16 +130,17 @@ static double find_residual(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double worst = 0;
     find_speeds(b);
-    for (int at = 0; at < b->cells; at += BATCH) find_root(b, at, b->cells - at < BATCH ? b->cells - at : BATCH);
-    for (int i = 0; i < b->cells; i++) {
+    for (int at = 0; at < b->set.cells; at += BATCH)
+        find_root(b, at, b->set.cells - at < BATCH ? b->set.cells - at : BATCH);
+    for (int i = 0; i < b->set.cells; i++) {
         double out = 0, weights = 0;
-        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
             const struct bed_side s = bed_side(b, j);
-            const double swept = dt * b->shapes->area[s.shape];
+            const double swept = dt * b->set.shapes->area[s.shape];
             out += s.sign * swept * x->U[s.face];
             weights += swept * x->give[s.face];
         }
-        const double V = b->shapes->volume[b->body[i]];
+        const double V = b->set.shapes->volume[b->set.body[i]];
         x->residual[i] = V * (x->rho[i] / x->root[i] - 1) - out;
         x->diagonal[i] = V * x->rho[i] * x->slack[i] + weights;
         const double above = fabs(x->residual[i]) - NOISE * V, change = above / (x->diagonal[i] * x->p[i]),
@@ -161,30 +162,30 @@ static double check_pressure(struct bed *b, double dt, bool *sound) {
 }
 
 static bool is_link(const struct bed *b, const struct bed_side *s, int cell) {
-    return b->kind[s->face] == BED_INNER && bed_across(b, s) != cell;
+    return b->set.kind[s->face] == BED_INNER && bed_across(b, s) != cell;
 }
 
 /* Lists the links of a cell, in the order of its faces. */
-static void find_links(struct bed *b) {
+void bed_find_links(struct bed *b) {
     const struct bed_lines *x = b->lines;
     int links = 0;
-    for (int i = 0; i < b->cells; i++) {
+    for (int i = 0; i < b->set.cells; i++) {
         x->link_first[i] = links;
-        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
             const struct bed_side s = bed_side(b, j);
             if (is_link(b, &s, i)) x->link[links++] = bed_across(b, &s);
         }
     }
-    x->link_first[b->cells] = links;
+    x->link_first[b->set.cells] = links;
 }
 
 static void find_weights(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     int links = 0;
-    for (int i = 0; i < b->cells; i++)
-        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+    for (int i = 0; i < b->set.cells; i++)
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
             const struct bed_side s = bed_side(b, j);
-            if (is_link(b, &s, i)) x->weight[links++] = dt * b->shapes->area[s.shape] * x->give[s.face];
+            if (is_link(b, &s, i)) x->weight[links++] = dt * b->set.shapes->area[s.shape] * x->give[s.face];
         }
 }
 
@@ -200,7 +201,7 @@ static void receive_one(void *bed, double *line) {
 static bool move_pressure(struct bed *b) {
     const struct bed_lines *x = b->lines;
     bool sound = true;
-    for (int i = 0; i < b->cells; i++) {
+    for (int i = 0; i < b->set.cells; i++) {
         const double p = x->p[i];
         x->p[i] = smaller(larger(p + x->change[i], FALL * p), RISE * p);
         sound &= isfinite(x->change[i]) && x->p[i] > 0;
@@ -213,11 +214,11 @@ static bool move_pressure(struct bed *b) {
 static status solve(struct bed *b, bool again, bool *sound) {
     const struct bed_lines *x = b->lines;
     int iterations = 0;
-    const struct multigrid_rows rows = {.blocks = b->blocks,
-                                        .first = b->first,
-                                        .number = b->number,
-                                        .rows = b->cells,
-                                        .ghosts = b->ghosts,
+    const struct multigrid_rows rows = {.blocks = b->set.blocks,
+                                        .first = b->set.first,
+                                        .number = b->set.number,
+                                        .rows = b->set.cells,
+                                        .ghosts = b->set.ghosts,
                                         .link_first = x->link_first,
                                         .link = x->link,
                                         .weight = x->weight,
@@ -225,8 +226,8 @@ static status solve(struct bed *b, bool again, bool *sound) {
                                         .send = send_one,
                                         .receive = receive_one,
                                         .context = b};
-    TRY(multigrid_setup(b->multigrid, &rows, again || (b->laid && multigrid_is_direct(b->multigrid))));
-    b->laid = true;
+    TRY(multigrid_setup(b->multigrid, &rows, again || (b->stage == BED_LAID && multigrid_is_direct(b->multigrid))));
+    b->stage = BED_LAID;
     TRY(multigrid_solve(b->multigrid, &rows, x->residual, REDUCTION, LINEAR_MOST, x->change, &iterations));
     b->linear += iterations;
     *sound = move_pressure(b);
@@ -239,8 +240,6 @@ status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM]
     bool sound = true;
     b->newton = b->linear = 0;
     find_drift(b, dt, gravity);
-    if (!b->linked) find_links(b);
-    b->linked = true;
     find_weights(b, dt);
     double worst = check_pressure(b, dt, &sound);
     while ((b->newton == 0 || !(worst < CLOSE)) && sound && b->newton++ < NEWTON_MOST) {

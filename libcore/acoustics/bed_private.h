@@ -10,8 +10,6 @@ enum { BLUR_SUMS = 4 + MAX_DIM }; /* of each block (bed_blur.c) */
 #define MOST_OUT 0.95             /* most of a cell's volume that may flow in, or out, in a step */
 
 struct bed_lines {
-    double *memory_cells, *memory_faces;
-    int *whole_cells, *whole_faces, *whole_sides; /* memory of the lists of integers */
     /* [cells + ghosts] of the start */
     double *rho, *u[MAX_DIM], *eps, *p, *c, *first_p; /* Newton's method moves p, first_p stays */
     /* [cells + ghosts] of Newton's method: root rho and -tau' of (*), residual and diagonal times V, change of p */
@@ -25,7 +23,9 @@ struct bed_lines {
     /* the links of the linear system */
     int *link_first, *link;
     double *weight;
-    double *block_sums; /* [blocks][BLUR_SUMS] */
+    double *block_sums;    /* [blocks][BLUR_SUMS] */
+    double *cells, *faces; /* the memory of the lines above */
+    struct room room;
 };
 
 /* A face as one of its cells sees it. */
@@ -34,11 +34,11 @@ struct bed_side {
     double sign;            /* 1 or -1: a flux from left to right leaves the cell, or enters it */
 };
 ALWAYS_INLINE struct bed_side bed_side(const struct bed *b, int entry) {
-    const int listed = b->face_of_cell[entry], right = listed < 0, face = right ? ~listed : listed;
-    return (struct bed_side){face, b->shape[face], right, right ? -1 : 1};
+    const int listed = b->set.face_of_cell[entry], right = listed < 0, face = right ? ~listed : listed;
+    return (struct bed_side){face, b->set.shape[face], right, right ? -1 : 1};
 }
 ALWAYS_INLINE int bed_across(const struct bed *b, const struct bed_side *s) {
-    return s->right ? b->left[s->face] : b->right[s->face];
+    return s->right ? b->set.left[s->face] : b->set.right[s->face];
 }
 
 /* Returns a.b of a vector of each shape, such as a normal, and b[dim]. On a lattice most components are 0. */
@@ -51,13 +51,13 @@ ALWAYS_INLINE double bed_along(const struct bed *b, double *const *vector, int s
 
 /* Returns P - p of a cell at a face. */
 ALWAYS_INLINE double bed_weight(const struct bed *b, int face, int right, double rho, const double gravity[MAX_DIM]) {
-    const double weight = rho * bed_along(b, b->shapes->arm[right], b->shape[face], gravity);
-    return b->balanced ? weight + b->balance[right][face] : weight;
+    const double weight = rho * bed_along(b, b->set.shapes->arm[right], b->set.shape[face], gravity);
+    return b->set.balanced ? weight + b->set.balance[right][face] : weight;
 }
 
 /* Returns u.n of a cell. */
 ALWAYS_INLINE double bed_normal_speed(const struct bed *b, double *const *u, int cell, int shape) {
-    double *const *normal = b->shapes->normal, sum = 0;
+    double *const *normal = b->set.shapes->normal, sum = 0;
     for (int k = 0; k < b->dim; k++)
         if (normal[k][shape] != 0) sum += normal[k][shape] * u[k][cell];
     return sum;
@@ -65,7 +65,7 @@ ALWAYS_INLINE double bed_normal_speed(const struct bed *b, double *const *u, int
 
 /* Returns the difference between a variable's value at a face and in the cell, by the cell's slopes. */
 ALWAYS_INLINE double bed_reach(const struct bed *b, const struct bed_side *s, int cell, int variable) {
-    double *const *arm = b->shapes->arm[s->right], sum = 0;
+    double *const *arm = b->set.shapes->arm[s->right], sum = 0;
     for (int k = 0; k < b->dim; k++)
         if (arm[k][s->shape] != 0) sum += arm[k][s->shape] * b->lines->slope[k][variable][cell];
     return sum;
@@ -87,13 +87,20 @@ void bed_fill_send(const struct bed *b, int n, const double *const *line);
 void bed_fill_receive(const struct bed *b, int n, double *const *line);
 void bed_halo_free(struct bed_halo *h);
 /* Learns of the ghosts, of which each lies across a face of a cell: number[ghosts] over all ranks, of which
- * first[rank] is the first on each rank. Collective. */
-status bed_halo_link(struct bed *b, const int *first, const double *number);
-/* bed_deal.c. b->deal stays NULL on one rank; else a bed's step is that of the cells that ranks are dealt of it. */
+ * first[rank] is the first on each rank. */
+status bed_halo_link(struct bed *b, const int *first, const int *number);
+/* Make room in a set for so many blocks; for its cells and ghosts, faces and entries of face_of_cell. */
+status bed_set_blocks(struct bed_set *s, int blocks);
+status bed_set_size(struct bed_set *s, int variables, int faces, int sides);
+/* bed_deal.c. On one rank these do nothing; else they are collective. */
 status bed_deal_make(struct bed *b);
 void bed_deal_free(struct bed_deal *d);
-status bed_deal_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
-void bed_deal_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis);
+status bed_deal_blocks(struct bed *b, int sides); /* shares the blocks of all homes, deals them, numbers the cells */
+status bed_deal_lists(struct bed *b);             /* makes b->set of what the homes have written */
+void bed_deal_states(struct bed *b);              /* from b->home to b->set */
+void bed_deal_results(struct bed *b);             /* back */
+void bed_deal_pushed(struct bed *b);              /* back: `pushed` alone */
+void bed_find_links(struct bed *b);               /* of the linear system */
 /* Finds p, U and root of the step; *done as bed_step. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
 /* Returns the energy (J/m^3) that a cell and those beside it had at the start: a cell that is lifted by more shows that
@@ -107,7 +114,7 @@ void bed_slopes(struct bed *b, double *const *of, int first, int end, double dt)
 bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]);
 /* Finds b->blur and the peaks, behind bed_update. Collective. */
 void bed_find_blur(struct bed *b, double dt, const double gravity[MAX_DIM]);
-/* Carries the state with U and puts the result into b->U. Returns whether no cell of this rank gains or loses too
+/* Carries the state with U and puts the result into b->set.U. Returns whether no cell of this rank gains or loses too
  * much. */
 bool bed_remap(struct bed *b, double dt);
 

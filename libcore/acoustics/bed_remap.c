@@ -7,7 +7,8 @@ static const double LEFT = 0.1;
 
 /* Returns the part of a cell's volume that leaves through one of its faces; negative: it enters. */
 static double leaving(const struct bed *b, double dt, const struct bed_side *s, int cell) {
-    return s->sign * dt * b->shapes->area[s->shape] / b->shapes->volume[b->body[cell]] * b->lines->U[s->face];
+    return s->sign * dt * b->set.shapes->area[s->shape] / b->set.shapes->volume[b->set.body[cell]] *
+           b->lines->U[s->face];
 }
 
 /* Returns the mean over dt of a variable at a face of a cell, less its value in the cell, by the cell's slopes. On
@@ -15,8 +16,8 @@ static double leaving(const struct bed *b, double dt, const struct bed_side *s, 
 static double change_at(const struct bed *b, double dt, const struct bed_side *s, int cell, int v) {
     const struct bed_lines *x = b->lines;
     const double reach = bed_reach(b, s, cell, v);
-    if (!b->shapes->boxes) return reach + bed_drift(b, x->after + 1, dt, cell, v);
-    return reach * (1 - dt * fabs(x->U[s->face]) / (2 * b->shapes->depth[s->right][s->shape]));
+    if (!b->set.shapes->boxes) return reach + bed_drift(b, x->after + 1, dt, cell, v);
+    return reach * (1 - dt * fabs(x->U[s->face]) / (2 * b->set.shapes->depth[s->right][s->shape]));
 }
 
 /* Computes the conserved state that leaves a cell through a face. */
@@ -57,7 +58,7 @@ static void cell_state(const struct bed *b, int i, double rho, double V[MAX_VAR]
 static bool settle_cell(struct bed *b, double dt, int i) {
     const struct bed_lines *x = b->lines;
     double in = 0, out = 0, growth = 0, gone[MAX_VAR] = {0}, V[MAX_VAR];
-    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
         const double part = leaving(b, dt, &s, i);
         growth += part;
@@ -80,54 +81,58 @@ static bool settle_cell(struct bed *b, double dt, int i) {
 static void face_flux(const struct bed *b, double dt, int face, double F[MAX_VAR]) {
     const struct bed_lines *x = b->lines;
     const double U = x->U[face];
-    const int last = b->components + 1, shape = b->shape[face], from = U > 0 ? b->left[face] : b->right[face];
+    const int last = b->components + 1, shape = b->set.shape[face],
+              from = U > 0 ? b->set.left[face] : b->set.right[face];
     const struct bed_side s = {face, shape, U > 0 ? 0 : 1, U > 0 ? 1 : -1};
     for (int v = 0; v <= last; v++) F[v] = 0;
-    if (b->kind[face] == BED_KEPT) {
-        for (int v = 0; v <= last; v++) F[v] = b->kept[v][face];
-        for (int k = 0; k < b->dim; k++) F[k + 1] -= x->p_face[face] * b->shapes->normal[k][shape];
+    if (b->set.kind[face] == BED_KEPT) {
+        for (int v = 0; v <= last; v++) F[v] = b->set.kept[v][face];
+        for (int k = 0; k < b->dim; k++) F[k + 1] -= x->p_face[face] * b->set.shapes->normal[k][shape];
         F[last] -= x->p_face[face] * U;
         return;
     }
-    if (b->kind[face] == BED_WALL || U == 0) return;
+    if (b->set.kind[face] == BED_WALL || U == 0) return;
     if (from >= 0) face_state(b, dt, &s, from, F);
-    for (int v = 0; v <= last; v++) F[v] = U * (from >= 0 ? F[v] : b->outside[v][face]);
+    for (int v = 0; v <= last; v++) F[v] = U * (from >= 0 ? F[v] : b->set.outside[v][face]);
 }
 
 /* Carries the state: the fluxes of the faces, then their sums in the cells. The fluxes go to the lines of `kept`, each
  * of which was read for its own face before. */
 static void carry(struct bed *b, double dt) {
-    for (int f = 0; f < b->faces; f++) {
+    for (int f = 0; f < b->set.faces; f++) {
         double F[MAX_VAR];
         face_flux(b, dt, f, F);
-        for (int v = 0; v < b->components + 2; v++) b->kept[v][f] = F[v];
+        for (int v = 0; v < b->components + 2; v++) b->set.kept[v][f] = F[v];
     }
-    for (int i = 0; i < b->cells; i++) {
+    for (int i = 0; i < b->set.cells; i++) {
         double V[MAX_VAR];
         cell_state(b, i, b->lines->rho[i], V);
-        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
             const struct bed_side s = bed_side(b, j);
-            const double swept = s.sign * dt * b->shapes->area[s.shape] / b->shapes->volume[b->body[i]];
-            for (int v = 0; v < b->components + 2; v++) V[v] -= swept * b->kept[v][s.face];
+            const double swept = s.sign * dt * b->set.shapes->area[s.shape] / b->set.shapes->volume[b->set.body[i]];
+            for (int v = 0; v < b->components + 2; v++) V[v] -= swept * b->set.kept[v][s.face];
         }
-        for (int v = 0; v < b->components + 2; v++) b->U[v][i] = V[v];
+        for (int v = 0; v < b->components + 2; v++) b->set.U[v][i] = V[v];
     }
 }
 
-void bed_face_flux(const struct bed *b, int face, double flux[MAX_VAR]) {
+/* Adds the pressures to the fluxes of the faces that are not BED_INNER. */
+static void add_pressures(struct bed *b) {
     const struct bed_lines *x = b->lines;
-    const int last = b->components + 1;
-    for (int v = 0; v <= last; v++) flux[v] = b->kept[v][face];
-    if (b->deal) return;
-    const bool carries = b->balanced && b->kind[face] == BED_WALL;
-    const double p = x->p_face[face] - (carries ? b->balance[b->left[face] < 0][face] : 0);
-    for (int k = 0; k < b->dim; k++) flux[k + 1] += p * b->shapes->normal[k][b->shape[face]];
-    flux[last] += x->p_face[face] * x->U[face];
+    double *const *F = b->set.kept;
+    for (int f = 0; f < b->set.faces; f++) {
+        if (b->set.kind[f] == BED_INNER) continue;
+        const bool carries = b->set.balanced && b->set.kind[f] == BED_WALL;
+        const double p = x->p_face[f] - (carries ? b->set.balance[b->set.left[f] < 0][f] : 0);
+        for (int k = 0; k < b->dim; k++) F[k + 1][f] += p * b->set.shapes->normal[k][b->set.shape[f]];
+        F[b->components + 1][f] += x->p_face[f] * x->U[f];
+    }
 }
 
 static bool is_beside_rest(const struct bed *b, int i) {
     bool beside = false;
-    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) beside |= b->kind[bed_side(b, j).face] == BED_KEPT;
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++)
+        beside |= b->set.kind[bed_side(b, j).face] == BED_KEPT;
     return beside;
 }
 
@@ -137,17 +142,17 @@ static bool is_beside_rest(const struct bed *b, int i) {
 static bool lift_beside_rest(struct bed *b) {
     const int last = b->components + 1;
     bool fine = true;
-    for (int block = 0; block < b->blocks; block++)
-        for (int i = b->first[block]; i < b->first[block + 1]; i++) {
-            const double rho = b->U[0][i], least = LEFT * rho * b->lines->after[last][i];
+    for (int block = 0; block < b->set.blocks; block++)
+        for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
+            const double rho = b->set.U[0][i], least = LEFT * rho * b->lines->after[last][i];
             double square = 0;
             if (!(rho > 0) || !is_beside_rest(b, i)) continue;
-            for (int k = b->components; k >= 1; k--) square += b->U[k][i] * b->U[k][i];
-            const double internal = b->U[last][i] - 0.5 * square / rho;
+            for (int k = b->components; k >= 1; k--) square += b->set.U[k][i] * b->set.U[k][i];
+            const double internal = b->set.U[last][i] - 0.5 * square / rho;
             if (!(internal < least)) continue;
-            const double before = b->U[last][i];
-            b->U[last][i] += least - internal;
-            b->lift[block] += b->shapes->volume[b->body[i]] * (b->U[last][i] - before);
+            const double before = b->set.U[last][i];
+            b->set.U[last][i] += least - internal;
+            b->set.lift[block] += b->set.shapes->volume[b->set.body[i]] * (b->set.U[last][i] - before);
             b->lifted++;
             fine &= least - internal <= bed_energy_near(b, i);
         }
@@ -158,8 +163,9 @@ bool bed_remap(struct bed *b, double dt) {
     const int n = b->components + 2;
     bool fine = true;
     bed_slopes(b, b->lines->after, 0, n, dt);
-    for (int i = 0; i < b->cells; i++) fine &= settle_cell(b, dt, i);
+    for (int i = 0; i < b->set.cells; i++) fine &= settle_cell(b, dt, i);
     for (int k = 0; k < b->dim && b->halo; k++) bed_fill(b, n, b->lines->slope[k]);
     carry(b, dt);
+    add_pressures(b);
     return lift_beside_rest(b) && fine;
 }

@@ -16,16 +16,16 @@ static double limited(double below, double above) {
 }
 
 static void slopes_of_box(struct bed *b, double *const *of, int first, int end, int axis, int i) {
-    const struct bed_side low = bed_side(b, b->face_start[i] + 2 * axis),
-                          high = bed_side(b, b->face_start[i] + 2 * axis + 1);
-    const int below = b->kind[low.face] == BED_INNER ? bed_across(b, &low) : i,
-              above = b->kind[high.face] == BED_INNER ? bed_across(b, &high) : i;
-    const double inverse = 0.5 / b->shapes->depth[0][low.shape];
+    const struct bed_side low = bed_side(b, b->set.face_start[i] + 2 * axis),
+                          high = bed_side(b, b->set.face_start[i] + 2 * axis + 1);
+    const int below = b->set.kind[low.face] == BED_INNER ? bed_across(b, &low) : i,
+              above = b->set.kind[high.face] == BED_INNER ? bed_across(b, &high) : i;
+    const double inverse = 0.5 / b->set.shapes->depth[0][low.shape];
     for (int v = first; v < end; v++) {
         const double *q = of[v];
         double under = q[i] - q[below], over = q[above] - q[i];
-        if (v == axis + 1 && b->kind[low.face] == BED_WALL) under = 2 * q[i];
-        if (v == axis + 1 && b->kind[high.face] == BED_WALL) over = -2 * q[i];
+        if (v == axis + 1 && b->set.kind[low.face] == BED_WALL) under = 2 * q[i];
+        if (v == axis + 1 && b->set.kind[high.face] == BED_WALL) over = -2 * q[i];
         b->lines->slope[axis][v][i] = inverse * limited(under, over);
     }
 }
@@ -61,14 +61,14 @@ static bool invert(int dim, double (*A)[MAX_DIM], double (*out)[MAX_DIM]) {
 /* Lists what is around a cell. Returns false if the cell has no slopes. */
 static bool look_around(const struct bed *b, int i, struct around *a) {
     double A[MAX_DIM][MAX_DIM] = {{0}};
-    a->n = b->face_start[i + 1] - b->face_start[i];
+    a->n = b->set.face_start[i + 1] - b->set.face_start[i];
     if (a->n > SIDES) return false;
     for (int j = 0; j < a->n; j++) {
-        const struct bed_side s = a->side[j] = bed_side(b, b->face_start[i] + j);
+        const struct bed_side s = a->side[j] = bed_side(b, b->set.face_start[i] + j);
         double square = 0;
-        if (b->kind[s.face] != BED_INNER && b->kind[s.face] != BED_WALL) return false;
+        if (b->set.kind[s.face] != BED_INNER && b->set.kind[s.face] != BED_WALL) return false;
         for (int k = 0; k < b->dim; k++) {
-            a->to[j][k] = b->shapes->arm[s.right][k][s.shape] - b->shapes->arm[!s.right][k][s.shape];
+            a->to[j][k] = b->set.shapes->arm[s.right][k][s.shape] - b->set.shapes->arm[!s.right][k][s.shape];
             square += a->to[j][k] * a->to[j][k];
         }
         a->weight[j] = 1 / square;
@@ -83,9 +83,9 @@ static bool look_around(const struct bed *b, int i, struct around *a) {
  */
 static double value_across(const struct bed *b, const struct around *a, int j, int i, double *const *of, int v) {
     const struct bed_side *s = &a->side[j];
-    if (b->kind[s->face] == BED_INNER) return of[v][bed_across(b, s)];
+    if (b->set.kind[s->face] == BED_INNER) return of[v][bed_across(b, s)];
     if (v < 1 || v > b->dim) return of[v][i];
-    return of[v][i] - 2 * b->shapes->normal[v - 1][s->shape] * bed_normal_speed(b, of + 1, i, s->shape);
+    return of[v][i] - 2 * b->set.shapes->normal[v - 1][s->shape] * bed_normal_speed(b, of + 1, i, s->shape);
 }
 
 /* Lowers `share` until a reach stays between least and most. */
@@ -118,12 +118,13 @@ static void slope_of_cell(struct bed *b, const struct around *a, double *const *
 
 void bed_slopes(struct bed *b, double *const *of, int first, int end, double dt) {
     struct around a;
-    if (b->shapes->boxes) {
+    if (b->set.shapes->boxes) {
         for (int k = 0; k < b->dim; k++)
-            for (int i = 0; i < b->cells; i++) slopes_of_box(b, of, dt > 0 ? first : k + 1, dt > 0 ? end : k + 2, k, i);
+            for (int i = 0; i < b->set.cells; i++)
+                slopes_of_box(b, of, dt > 0 ? first : k + 1, dt > 0 ? end : k + 2, k, i);
         return;
     }
-    for (int i = 0; i < b->cells; i++) {
+    for (int i = 0; i < b->set.cells; i++) {
         const bool sloped = look_around(b, i, &a);
         for (int v = first; v < end; v++) {
             for (int k = 0; k < b->dim; k++) b->lines->slope[k][v][i] = 0;

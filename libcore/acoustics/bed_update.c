@@ -12,14 +12,14 @@ static void find_tilts(struct bed *b) {
     bed_slopes(b, velocity, 1, b->dim + 1, 0);
     if (!b->halo) return;
     for (int k = 0; k < b->dim; k++)
-        bed_fill(b, b->shapes->boxes ? 1 : b->dim, &x->slope[k][b->shapes->boxes ? k + 1 : 1]);
+        bed_fill(b, b->set.shapes->boxes ? 1 : b->dim, &x->slope[k][b->set.shapes->boxes ? k + 1 : 1]);
 }
 
 /* Returns u.n at a face by the slopes of one of its cells. */
 static double speed_at(const struct bed *b, const struct bed_side *s, int cell) {
     double sum = 0;
     for (int k = 0; k < b->dim; k++) {
-        const double n = b->shapes->normal[k][s->shape];
+        const double n = b->set.shapes->normal[k][s->shape];
         if (n != 0) sum += n * (b->lines->u[k][cell] + bed_reach(b, s, cell, k + 1));
     }
     return sum;
@@ -35,28 +35,28 @@ static double friction(double rho_l, double rho_r, double z_l, double z_r, doubl
 }
 
 static struct bed_side side_within(const struct bed *b, int face) {
-    const int right = b->left[face] < 0;
-    return (struct bed_side){face, b->shape[face], right, right ? -1 : 1};
+    const int right = b->set.left[face] < 0;
+    return (struct bed_side){face, b->set.shape[face], right, right ? -1 : 1};
 }
 
 /* Finds P, the pressures of cells at their faces under their own weight. */
 static void find_pressures(struct bed *b, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
-    for (int f = 0; f < b->faces; f++)
+    for (int f = 0; f < b->set.faces; f++)
         for (int right = 0; right < 2; right++) {
-            const int cell = right ? b->right[f] : b->left[f];
+            const int cell = right ? b->set.right[f] : b->set.left[f];
             if (cell >= 0) x->P[right][f] = x->p[cell] + bed_weight(b, f, right, x->rho[cell], gravity);
         }
 }
 
 static double inner_pressure(const struct bed *b, int face, double dt) {
     const struct bed_lines *x = b->lines;
-    const int l = b->left[face], r = b->right[face], shape = b->shape[face];
+    const int l = b->set.left[face], r = b->set.right[face], shape = b->set.shape[face];
     const struct bed_side left = {face, shape, 0, 1}, right = {face, shape, 1, -1};
     const double rho_l = x->rho[l], rho_r = x->rho[r];
     const double speeds = fabs(bed_normal_speed(b, x->u, l, shape)) + fabs(bed_normal_speed(b, x->u, r, shape));
     const double du = speed_at(b, &right, r) - speed_at(b, &left, l);
-    const double stiff = (b->shapes->depth[0][shape] + b->shapes->depth[1][shape]) / dt;
+    const double stiff = (b->set.shapes->depth[0][shape] + b->set.shapes->depth[1][shape]) / dt;
     return (rho_r * x->P[0][face] + rho_l * x->P[1][face]) / (rho_l + rho_r) +
            friction(rho_l, rho_r, rho_l * x->c[l], rho_r * x->c[r], speeds, du, stiff, b->params.soft);
 }
@@ -65,9 +65,9 @@ static double inner_pressure(const struct bed *b, int face, double dt) {
 static double wall_pressure(const struct bed *b, int face, double dt) {
     const struct bed_lines *x = b->lines;
     const struct bed_side s = side_within(b, face);
-    const int i = s.right ? b->right[face] : b->left[face];
+    const int i = s.right ? b->set.right[face] : b->set.left[face];
     const double rho = x->rho[i], z = rho * x->c[i], speed = bed_normal_speed(b, x->u, i, s.shape);
-    const double stiff = 2 * b->shapes->depth[s.right][s.shape] / dt;
+    const double stiff = 2 * b->set.shapes->depth[s.right][s.shape] / dt;
     return x->P[s.right][face] +
            friction(rho, rho, z, z, 2 * fabs(speed), -2 * s.sign * speed_at(b, &s, i), stiff, b->params.soft);
 }
@@ -75,22 +75,22 @@ static double wall_pressure(const struct bed *b, int face, double dt) {
 static double open_pressure(const struct bed *b, int face, const double gravity[MAX_DIM]) {
     const struct bed_lines *x = b->lines;
     const struct bed_side s = side_within(b, face);
-    const int i = s.right ? b->right[face] : b->left[face];
-    const double rho = x->rho[i], outside = b->outside[0][face];
-    const double beyond = (b->kind[face] == BED_FREE ? x->p[i] : x->beyond[face]) +
-                          outside * bed_along(b, b->shapes->arm[!s.right], s.shape, gravity);
+    const int i = s.right ? b->set.right[face] : b->set.left[face];
+    const double rho = x->rho[i], outside = b->set.outside[0][face];
+    const double beyond = (b->set.holds[face] > 0 ? x->beyond[face] : x->p[i]) +
+                          outside * bed_along(b, b->set.shapes->arm[!s.right], s.shape, gravity);
     return (outside * x->P[s.right][face] + rho * beyond) / (rho + outside);
 }
 
 static double kept_pressure(const struct bed *b, int face) {
     double momentum[MAX_DIM];
-    for (int k = 0; k < b->dim; k++) momentum[k] = b->kept[k + 1][face];
-    return bed_along(b, b->shapes->normal, b->shape[face], momentum) - b->kept[0][face] * b->lines->U[face];
+    for (int k = 0; k < b->dim; k++) momentum[k] = b->set.kept[k + 1][face];
+    return bed_along(b, b->set.shapes->normal, b->set.shape[face], momentum) - b->set.kept[0][face] * b->lines->U[face];
 }
 
 static void find_face_pressures(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     double *p = b->lines->p_face;
-    for (int f = 0; f < b->faces; f++) switch (b->kind[f]) {
+    for (int f = 0; f < b->set.faces; f++) switch (b->set.kind[f]) {
         case BED_INNER:
             p[f] = inner_pressure(b, f, dt);
             break;
@@ -109,15 +109,15 @@ static void find_face_pressures(struct bed *b, double dt, const double gravity[M
  * A n (x_f - x) = V, these add up to the forces of p_f and gravity, and at rest each of them is exactly 0. */
 static void move_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
-    const double per = dt / b->shapes->volume[b->body[i]], rho = x->rho[i];
+    const double per = dt / b->set.shapes->volume[b->set.body[i]], rho = x->rho[i];
     double growth = 0, force[MAX_DIM] = {0};
-    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
-        const double swept = s.sign * per * b->shapes->area[s.shape],
+        const double swept = s.sign * per * b->set.shapes->area[s.shape],
                      push = swept * (x->p_face[s.face] - x->P[s.right][s.face]);
         growth += swept * x->U[s.face];
         for (int k = 0; k < b->dim; k++)
-            if (b->shapes->normal[k][s.shape] != 0) force[k] += push * b->shapes->normal[k][s.shape];
+            if (b->set.shapes->normal[k][s.shape] != 0) force[k] += push * b->set.shapes->normal[k][s.shape];
     }
     x->growth[i] = growth;
     x->after[0][i] = rho / (1 + growth);
@@ -136,8 +136,8 @@ static double heat_of_side(const struct bed *b, const struct bed_side *s, int ce
 
 static void find_heat(struct bed *b) {
     const struct bed_lines *x = b->lines;
-    for (int f = 0; f < b->faces; f++) {
-        const int l = b->left[f], r = b->right[f], shape = b->shape[f];
+    for (int f = 0; f < b->set.faces; f++) {
+        const int l = b->set.left[f], r = b->set.right[f], shape = b->set.shape[f];
         const struct bed_side left = {f, shape, 0, 1}, right = {f, shape, 1, -1};
         x->heat[0][f] = l >= 0 ? heat_of_side(b, &left, l) : 0;
         x->heat[1][f] = r >= 0 ? heat_of_side(b, &right, r) : 0;
@@ -147,17 +147,17 @@ static void find_heat(struct bed *b) {
 /* Returns the heat (J/kg) that a cell gains at its faces in the step. */
 static double heat_of_cell(const struct bed *b, double dt, int i) {
     double sum = 0;
-    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
-        sum += b->shapes->area[s.shape] * b->lines->heat[s.right][s.face];
+        sum += b->set.shapes->area[s.shape] * b->lines->heat[s.right][s.face];
     }
-    return dt / b->shapes->volume[b->body[i]] * sum / b->lines->rho[i];
+    return dt / b->set.shapes->volume[b->set.body[i]] * sum / b->lines->rho[i];
 }
 
 /* Returns the heat of a face that the cell across it can give to the cell on side `right`, which the face cools. */
 static double spare(const struct bed *b, int face, int right) {
     const double mine = b->lines->heat[right][face], others = b->lines->heat[!right][face];
-    return b->kind[face] == BED_INNER && mine < 0 && others > 0 ? smaller(-mine, others) : 0;
+    return b->set.kind[face] == BED_INNER && mine < 0 && others > 0 ? smaller(-mine, others) : 0;
 }
 
 /* Returns the least eps that a cell may be left with: 1 - b of that of (*), or of that at the start if this is less.
@@ -180,24 +180,24 @@ static double eps_after(const struct bed *b, double dt, int i) {
 static void share_heat(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double *lacks = x->change; /* part of what could be given to the cell */
-    for (int i = 0; i < b->cells; i++) {
+    for (int i = 0; i < b->set.cells; i++) {
         const double lack = least_of(b, i) - eps_after(b, dt, i);
         double all = 0;
         lacks[i] = 0;
         if (!(lack > 0)) continue;
-        for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
             const struct bed_side s = bed_side(b, j);
-            all += b->shapes->area[s.shape] * spare(b, s.face, s.right);
+            all += b->set.shapes->area[s.shape] * spare(b, s.face, s.right);
         }
-        all *= dt / b->shapes->volume[b->body[i]] / x->rho[i];
+        all *= dt / b->set.shapes->volume[b->set.body[i]] / x->rho[i];
         lacks[i] = all > lack ? lack / all : all > 0;
     }
     bed_fill(b, 1, &lacks);
-    for (int f = 0; f < b->faces; f++)
+    for (int f = 0; f < b->set.faces; f++)
         for (int right = 0; right < 2; right++) {
             const double give = spare(b, f, right);
             if (!(give > 0)) continue;
-            const double given = give * lacks[right ? b->right[f] : b->left[f]];
+            const double given = give * lacks[right ? b->set.right[f] : b->set.left[f]];
             x->heat[right][f] += given;
             x->heat[!right][f] -= given;
             break;
@@ -209,12 +209,12 @@ static void share_heat(struct bed *b, double dt) {
 static double work_on_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
     double sum = 0, carried = 0;
-    for (int j = b->face_start[i]; j < b->face_start[i + 1]; j++) {
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
-        sum += s.sign * b->shapes->area[s.shape] * x->U[s.face] * (x->P[s.right][s.face] - x->p[i]);
+        sum += s.sign * b->set.shapes->area[s.shape] * x->U[s.face] * (x->P[s.right][s.face] - x->p[i]);
     }
     for (int k = b->dim; k < b->components; k++) carried += gravity[k] * (x->u[k][i] + x->after[k + 1][i]);
-    return dt * (sum / b->shapes->volume[b->body[i]] + 0.5 * x->rho[i] * carried);
+    return dt * (sum / b->set.shapes->volume[b->set.body[i]] + 0.5 * x->rho[i] * carried);
 }
 
 /* Sets eps behind acoustics, and counts lifting and work. Returns whether no cell was lifted too much. */
@@ -222,14 +222,14 @@ static bool find_eps(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     double *after = b->lines->after[b->components + 1];
     bool fine = true;
     b->lifted = 0;
-    for (int block = 0; block < b->blocks; block++) {
-        b->lift[block] = b->work[block] = 0;
-        for (int i = b->first[block]; i < b->first[block + 1]; i++) {
-            const double V = b->shapes->volume[b->body[i]], eps = eps_after(b, dt, i), least = least_of(b, i);
+    for (int block = 0; block < b->set.blocks; block++) {
+        b->set.lift[block] = b->set.work[block] = 0;
+        for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
+            const double V = b->set.shapes->volume[b->set.body[i]], eps = eps_after(b, dt, i), least = least_of(b, i);
             const double lift = eps < least ? b->lines->rho[i] * (least - eps) : 0;
             after[i] = larger(eps, least);
-            b->work[block] += V * work_on_cell(b, dt, gravity, i);
-            b->lift[block] += V * lift;
+            b->set.work[block] += V * work_on_cell(b, dt, gravity, i);
+            b->set.lift[block] += V * lift;
             b->lifted += lift > 0;
             fine &= lift == 0 || lift <= bed_energy_near(b, i);
         }
@@ -241,7 +241,7 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     find_tilts(b);
     find_pressures(b, gravity);
     find_face_pressures(b, dt, gravity);
-    for (int i = 0; i < b->cells; i++) move_cell(b, dt, gravity, i);
+    for (int i = 0; i < b->set.cells; i++) move_cell(b, dt, gravity, i);
     bed_fill(b, b->dim, b->lines->after + 1);
     find_heat(b);
     share_heat(b, dt);
@@ -253,21 +253,18 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
 /* Sums the forces that move_cell adds to those of p_f by taking p_f - P: the weight, as sum_f A n (x_f - x) = V, and
  * `balance`. */
 void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis) {
-    if (b->deal) {
-        bed_deal_push(b, dt, gravity, axis);
-        return;
-    }
-    for (int block = 0; block < b->blocks; block++) {
-        b->pushed[block] = 0;
-        for (int i = b->first[block]; i < b->first[block + 1]; i++) {
-            double force = b->lines->rho[i] * b->shapes->volume[b->body[i]] * gravity[axis];
-            for (int j = b->face_start[i]; j < b->face_start[i + 1] && b->balanced && axis < b->dim; j++) {
+    for (int block = 0; block < b->set.blocks; block++) {
+        b->set.pushed[block] = 0;
+        for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
+            double force = b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]] * gravity[axis];
+            for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1] && b->set.balanced && axis < b->dim; j++) {
                 const struct bed_side s = bed_side(b, j);
-                if (b->kind[s.face] == BED_WALL) continue;
-                force +=
-                    s.sign * b->shapes->area[s.shape] * b->shapes->normal[axis][s.shape] * b->balance[s.right][s.face];
+                if (b->set.kind[s.face] == BED_WALL) continue;
+                force += s.sign * b->set.shapes->area[s.shape] * b->set.shapes->normal[axis][s.shape] *
+                         b->set.balance[s.right][s.face];
             }
-            b->pushed[block] += dt * force;
+            b->set.pushed[block] += dt * force;
         }
     }
+    bed_deal_pushed(b);
 }

@@ -159,7 +159,7 @@ static void beside_row(void *gas, const struct row *row) {
 static void totals_of_scratch(struct gas *g, const struct state *from, double totals[MAX_VAR]) {
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
     note_status(g->audit, g->engine->state.totals(g, &g->W, totals));
-    if (g->step.hybrid) (void)g->engine->bed.put(g, &g->W);
+    if (g->step.hybrid) (void)dense_put(g, &g->W);
 }
 
 static void find_beside(struct gas *g, const struct state *s, double totals[MAX_VAR]) {
@@ -207,12 +207,12 @@ void audit_dropped(struct gas *g, double part) {
 void audit_bed(struct gas *g) {
     double sum = 0;
     if (!g->audit || !g->falling.cells) return;
-    g->engine->bed.spread(g, g->dense->bed.work, g->falling.dropped);
+    g->engine->bed.spread(g, g->dense->bed.home->work, g->falling.dropped);
     note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);
     for (int k = 0; k < g->components; k++) {
         bed_push(&g->dense->bed, g->step.dt, g->dense->kick, k);
-        g->engine->bed.spread(g, g->dense->bed.pushed, g->falling.dropped);
+        g->engine->bed.spread(g, g->dense->bed.home->pushed, g->falling.dropped);
         note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
         g->audit->now.pushed[source_gravity_row()][k] += sum;
     }

@@ -57,7 +57,10 @@ status dense_make(struct gas *g) {
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
     d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);
-    TRY(bed_make(&d->bed));
+    const int blocks = g->forest ? g->forest->ntiles : 1;
+    TRY(allocate(&d->number, blocks, sizeof *d->number, "the bed"));
+    TRY(allocate(&d->number[0], blocks * g->size, sizeof(int), "the bed"));
+    for (int b = 1; b < blocks; b++) d->number[b] = d->number[0] + b * g->size;
     return g->engine->bed.make(g);
 }
 
@@ -65,6 +68,9 @@ void dense_free(struct gas *g) {
     if (!g->dense) return;
     if (g->engine->bed.free) g->engine->bed.free(g);
     bed_free(&g->dense->bed);
+    room_free(&g->dense->room);
+    if (g->dense->number) free(g->dense->number[0]);
+    free(g->dense->number);
     status_free(g->dense->failed);
     free(g->dense);
 }
@@ -262,19 +268,26 @@ double gas_inertia(const struct gas *g) {
     return g->dense && g->dense->longest > 0 ? g->dense->inertia : HUGE_VAL;
 }
 
+/* Finds the place of a cell of the bed. */
+static void seat_of(const struct dense *d, int cell, struct row *out) {
+    const struct row *r = d->row;
+    for (; cell >= r->n; r++) cell -= r->n;
+    *out = (struct row){r->block, r->at + cell, 1};
+}
+
 /* Finds the centre of the cell that loses most of its sound in the step of the bed. */
 static void find_peak(const struct gas *g, double place[3]) {
-    const struct bed *b = &g->dense->bed;
+    const struct bed_set *b = g->dense->bed.home;
     struct first_place first = {.order = HUGE_VAL};
     double most = 0;
     for (int i = 0; i < b->blocks; i++) most = larger(most, b->peak[i]);
     comm_max(g->comm, &most, 1);
     for (int i = 0; i < b->blocks; i++) {
-        int block;
+        struct row seat;
         double here[3];
         if (!(b->peak[i] == most) || b->first[i + 1] == b->first[i]) continue;
-        const long at = g->engine->bed.seat(g, b->first[i] + (int)b->peak_cell[i], &block);
-        g->engine->state.place(g, block, at, here);
+        seat_of(g->dense, b->first[i] + b->peak_cell[i], &seat);
+        g->engine->state.place(g, seat.block, seat.at, here);
         first_place_offer(&first, here);
     }
     first_place_share(g, &first, place);
@@ -301,10 +314,13 @@ static bool damps(struct gas *g, double dt) {
  * moves as its cell did at the start, whatever p becomes, and gas that is pushed back in brings the pressure of the
  * bed. */
 static bool leans(const struct gas *g) {
-    const struct bed *b = &g->dense->bed;
+    const struct dense *d = g->dense;
+    const struct bed_set *b = d->bed.home;
     double found = 0;
-    for (int f = 0; f < b->faces; f++)
-        if (b->kind[f] == BED_FREE && b->U[0][b->left[f] < 0 ? b->right[f] : b->left[f]] > g->dense->above) found = 1;
+    for (int i = 0; i < d->borders; i++) {
+        const int f = d->border[i].face, inside = (b->left[f] < 0 ? b->right[f] : b->left[f]) - b->low;
+        if (b->kind[f] == BED_OPEN && b->holds[f] == 0 && b->U[0][inside] > d->above) found = 1;
+    }
     comm_max(g->comm, &found, 1);
     return found > 0;
 }
@@ -325,15 +341,6 @@ void dense_pass(struct gas *g, double dt) {
     if (g->dense) g->dense->pause = larger(g->dense->pause - dt, 0);
 }
 
-status dense_begin(struct gas *g, const struct state *from) {
-    TRY(g->engine->bed.list(g, from));
-    g->engine->bed.take(g, &g->U, true);
-    bed_note_start(&g->dense->bed);
-    g->engine->bed.take(g, from, false);
-    g->dense->begun = true;
-    return OK;
-}
-
 void dense_keep(struct gas *g, double weight) {
     g->engine->bed.keep(g, weight);
     bed_write(&g->dense->bed);
@@ -350,7 +357,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     if (d->failed || !done) return false;
     d->refused = damps(g, dt) && g->models.acoustics->automatic;
     if (d->refused) return false;
-    double bad = (double)g->engine->bed.put(g, to);
+    double bad = (double)dense_put(g, to);
     comm_max(g->comm, &bad, 1);
     g->floors.share = 1;
     d->begun = false; /* from here on the floors count the cells that they raise */
@@ -361,7 +368,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
 
 status dense_count(struct gas *g) {
     struct dense *d = g->dense;
-    long count[2] = {d->bed.lifted, d->bed.cells};
+    long count[2] = {d->bed.lifted, d->bed.set.cells};
     double sum;
     comm_sum_long(g->comm, count, 2);
     d->paused = 0;
@@ -371,7 +378,7 @@ status dense_count(struct gas *g) {
     g->counts.now.lifted += count[0];
     g->counts.now.bed_cells = count[1];
     if (count[0] == 0) return OK;
-    g->engine->bed.spread(g, d->bed.lift, g->floors.raised);
+    g->engine->bed.spread(g, d->bed.home->lift, g->floors.raised);
     TRY(g->engine->stage.sum_raised(g, g->floors.raised, &sum));
     g->counts.now.lift += sum;
     return OK;

@@ -178,7 +178,8 @@ struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 
 /* The implicit acoustics of dense cells; all NULL: the engine has none. A bed is libcore/acoustics/bed.h's, g->dense
  * has it. */
 struct bed_hooks {
-    /* make allocates g->dense->part and what the engine needs. */
+    /* make makes the bed (bed_make) and its shapes, g->dense->part and what the engine needs, and sets g->dense->own.
+     */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
     /* Finds the cells denser than `dense` (kg/m^3) in U; returns their number on this rank. */
@@ -189,17 +190,17 @@ struct bed_hooks {
     /* Makes cells less dense than `thin` with a rate of thin gas above `rate` dense, too; returns how many of this
      * rank. If any rank has any, parts must follow. */
     long (*include)(struct gas *g, double thin, double rate);
-    /* Lists the bed's cells and faces, and fills the ghosts of `from` that `take` needs. Collective. */
-    status (*list)(struct gas *g, const struct state *from);
-    /* Copies the state of the bed's cells, and of the gas beyond their faces, to the bed; puts the frozen cells into V
-     * and W. again: the state of the cells alone. */
-    void (*take)(struct gas *g, const struct state *from, bool again);
+    /* Fills the ghosts of `from` across the faces of the bed, beyond patches, too. Collective. */
+    void (*fill)(struct gas *g, const struct state *from);
+    /* Lists the bed's cells and faces: g->dense->bed.home, row, border and number. Collective. */
+    status (*list)(struct gas *g);
+    /* Takes the numbers that balance a state at rest, `from` filled. NULL: there are none. */
+    void (*balance)(struct gas *g, const struct state *from);
     /* Adds `weight` times the fluxes of the last stage to those that are kept. */
     void (*keep)(struct gas *g, double weight);
-    /* Copies the bed's result to `to`; returns the number of cells that are not admissible. */
-    long (*put)(struct gas *g, const struct state *to);
-    /* Returns the place of a cell of the bed in the lines of a block. */
-    long (*seat)(const struct gas *g, int cell, int *block);
+    /* Writes the backgrounds of the bed's blocks out to their cells. NULL: there are none, and stages write frozen
+     * cells; else they leave frozen cells of V and W as they are. */
+    void (*unfold)(struct gas *g, const struct state *s);
     /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->floors.raised. */
     void (*spread)(struct gas *g, const double *per_block, double *raised);
 };

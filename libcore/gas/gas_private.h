@@ -23,17 +23,27 @@ enum { MOST_STAGES = 100000 };
 
 enum { GUARDED = 16 }; /* steps that are guarded after one that found an inadmissible cell */
 
+struct dense_border {    /* a face of the bed that is not BED_INNER */
+    int face, block;     /* in the bed's list; the block of its places */
+    long inside, beyond; /* places of the bed's cell and of what is across the face, in the lines of the block */
+};
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct bed bed;
-    double thin;                /* kg/m^3: below it cells are near vacuum */
-    double above, hard;         /* kg/m^3: denser cells are dense, or hard */
-    double **part;              /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
-    bool alone;                 /* is every cell one of the bed? */
-    double inertia;             /* of the dense cells in the last plan */
-    double cooling;             /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
-    bool begun;                 /* are the stages at work, whose results in cells of the bed are given up? */
-    double kick[MAX_DIM];       /* m/s^2: mean acceleration by gravity in the last step of the bed */
-    double longest;             /* s: the step that was planned; 0: the next step is explicit */
+    long own;                    /* cells of this rank */
+    struct row *row;             /* [rows] the bed's cells in the bed's order */
+    struct dense_border *border; /* [borders] */
+    int rows, borders;
+    int **number;         /* [blocks][size] numbers of the bed's cells over all ranks from 1 on, else 0; ghosts too */
+    struct room room;     /* the memory of row, border */
+    double thin;          /* kg/m^3: below it cells are near vacuum */
+    double above, hard;   /* kg/m^3: denser cells are dense, or hard */
+    double **part;        /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
+    bool alone;           /* is every cell one of the bed? */
+    double inertia;       /* of the dense cells in the last plan */
+    double cooling;       /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
+    bool begun;           /* are the stages at work, whose results in cells of the bed are given up? */
+    double kick[MAX_DIM]; /* m/s^2: mean acceleration by gravity in the last step of the bed */
+    double longest;       /* s: the step that was planned; 0: the next step is explicit */
     struct gas_bed_bound bound; /* why it is explicit; its cause is BED_CAUSES if it is not, or no gas is dense */
     double plain, usual; /* s: the explicit step in the last plan, and that which implicit ones are compared with */
     bool refused;        /* was the last step of the bed refused: it would damp sound, or gas leans on an outlet? */
@@ -201,6 +211,12 @@ struct bed_row { /* n <= BATCH cells, from `at` on in a block; rates as in struc
 };
 /* Raises `most` to the rates of a row, those of cooling over dt; thin: as in the hook `parts`. */
 void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most);
+/* Makes room for a new list, of so many rows of cells with so many sides, whose blocks are known, after bed.home was
+ * given its blocks. s: an error that this rank has met before. Forgets the numbers. Collective. */
+status dense_list(struct gas *g, status s, long rows, int sides);
+/* Copy the states of the bed's cells from a state, or to it; dense_put returns the number of those not admissible. */
+void dense_take(struct gas *g, const struct state *from);
+long dense_put(struct gas *g, const struct state *to);
 /* Lists and takes the bed from the state in which a step starts. Collective. */
 status dense_begin(struct gas *g, const struct state *from);
 /* Keeps the fluxes of a stage towards the bed, and behind the first stage writes the bed's lists, if there are new

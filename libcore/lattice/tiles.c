@@ -493,11 +493,10 @@ const struct engine engine_lattice = {
             .find = tiles_bed_find,
             .parts = tiles_bed_parts,
             .include = tiles_bed_include,
+            .fill = tiles_bed_fill,
             .list = tiles_bed_list,
-            .take = tiles_bed_take,
             .keep = tiles_bed_keep,
-            .put = tiles_bed_put,
-            .seat = tiles_bed_seat,
+            .unfold = tiles_bed_unfold,
             .spread = tiles_bed_spread},
     .tally = {
         .make = tiles_tally_make, .stage = tiles_tally_stage, .bed = tiles_tally_bed, .visit = tiles_tally_visit}};

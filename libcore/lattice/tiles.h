@@ -248,11 +248,10 @@ void tiles_bed_free(struct gas *g);
 long tiles_bed_find(struct gas *g, double above);
 void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine);
 long tiles_bed_include(struct gas *g, double thin, double rate);
-status tiles_bed_list(struct gas *g, const struct state *from);
-void tiles_bed_take(struct gas *g, const struct state *from, bool again);
+void tiles_bed_fill(struct gas *g, const struct state *from);
+status tiles_bed_list(struct gas *g);
 void tiles_bed_keep(struct gas *g, double weight);
-long tiles_bed_put(struct gas *g, const struct state *to);
-long tiles_bed_seat(const struct gas *g, int cell, int *tile);
+void tiles_bed_unfold(struct gas *g, const struct state *s);
 void tiles_bed_spread(struct gas *g, const double *per_block, double *raised);
 /* Has the step in hand a bed with cells in the tile? */
 bool tiles_hold_bed(const struct gas *g, int tile);

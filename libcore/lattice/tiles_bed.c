@@ -6,19 +6,11 @@
 
 #include <stdlib.h>
 
-struct seat { /* a place in the tiles: of a cell, of a ghost's layer, of the cell below a face */
-    int tile;
-    long at;
-};
 /* Memory of the lattice for the bed: g->tiles->bed. */
 struct tiles_bed {
-    bool *holds;     /* [ntiles] has the tile a cell of the bed? */
-    double **listed; /* [ntiles] of [size]: the parts for which the bed was listed */
+    bool *holds; /* [ntiles] has the tile a cell of the bed? */
     /* [ntiles] of [dim][nvar][size]: fluxes of the last stage, by axis and the cell below; NULL: no bed yet */
     double **fluxes;
-    struct seat *seat, *face; /* [cells], then [ghosts]; [faces] */
-    int *outer, outers;       /* [outers] the faces that are not BED_INNER */
-    long room;
     /* The cells are one box, and a face has the shape of its axis. Volumes are 1, and areas 1/width. */
     struct bed_shapes shapes;
     double one, area[MAX_DIM], half[MAX_DIM], to[2][MAX_DIM][MAX_DIM], normal[MAX_DIM][MAX_DIM];
@@ -38,18 +30,32 @@ static void make_shapes(const struct gas *g, struct tiles_bed *b) {
             b->to[side][k][k] = side ? -b->half[k] : b->half[k];
         }
     }
-    g->dense->bed.shapes = s;
+    g->dense->bed.home->shapes = s;
+}
+
+/* A block of the bed is what lies in so many rows of a tile along the last axis: it is what ranks are dealt. */
+enum { BLOCK_ROWS = 8 };
+
+static int blocks_of_tile(const struct gas *g, int tile) {
+    return g->dim > 1 ? (g->forest->tile[tile].n[g->dim - 1] + BLOCK_ROWS - 1) / BLOCK_ROWS : 1;
 }
 
 status tiles_bed_make(struct gas *g) {
+    const struct forest *f = g->forest;
     struct tiles_bed *b;
-    TRY(blocks_make(g->forest, 1, &g->dense->part));
+    int blocks = 0;
+    for (int t = 0; t < f->ntiles; t++) {
+        const int *n = f->tile[t].n;
+        blocks += blocks_of_tile(g, t);
+        g->dense->own += (long)n[0] * n[1] * n[2];
+    }
+    TRY(bed_make(&g->dense->bed, blocks));
+    TRY(blocks_make(f, 1, &g->dense->part));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->tiles->bed = b;
     make_shapes(g, b);
-    TRY(blocks_make(g->forest, 1, &b->listed));
-    TRY(allocate(&b->holds, g->forest->ntiles, sizeof(bool), "tiles"));
-    return allocate(&b->fluxes, g->forest->ntiles, sizeof(double *), "tiles");
+    TRY(allocate(&b->holds, f->ntiles, sizeof(bool), "tiles"));
+    return allocate(&b->fluxes, f->ntiles, sizeof(double *), "tiles");
 }
 
 void tiles_bed_free(struct gas *g) {
@@ -57,10 +63,7 @@ void tiles_bed_free(struct gas *g) {
     blocks_free(g->forest, g->dense->part);
     if (!b) return;
     blocks_free(g->forest, b->fluxes);
-    blocks_free(g->forest, b->listed);
     free(b->holds);
-    free(b->seat);
-    free(b->outer);
     free(b);
 }
 
@@ -259,103 +262,57 @@ long tiles_bed_include(struct gas *g, double thin, double rate) {
 
 /* ---- the lists ---- */
 
-/* A block of the bed is what lies in so many rows of a tile along the last axis: it is what ranks are dealt. */
-enum { BLOCK_ROWS = 8 };
-
-static int blocks_of_tile(const struct gas *g, int tile) {
-    return g->dim > 1 ? (g->forest->tile[tile].n[g->dim - 1] + BLOCK_ROWS - 1) / BLOCK_ROWS : 1;
-}
-
 /* A number over all ranks: no tile has as many rows as its memory has room for. */
 static int block_number(const struct forest *f, int tile, int block) {
     const int room = (int)(f->size / f->stride[f->dim - 1]) / BLOCK_ROWS + 1;
     return f->tile[tile].id * room + block;
 }
 
-struct listing { /* counts or lists the cells of a tile */
+struct listing { /* lists the cells of a tile: how many there are; or, if `bed` is set, their rows and numbers */
     const struct gas *g;
-    const double *part;
-    double *number;                     /* numbers over all ranks, from 1 on, go here; NULL: cells are counted */
-    struct seat *seat, *face;           /* [cells], then [ghosts]; [faces] */
-    int tile, count, block, *block_end; /* block_end: the cells up to the end of each block; NULL: are not counted */
-    double first;
+    struct dense *bed;
+    int tile, rows, cells, *block_end; /* block_end: the cells up to the end of each block of the tile */
 };
 
 static void list_visit(void *listing, long offset, int n) {
     struct listing *l = listing;
     const struct forest *f = l->g->forest;
+    const double *part = l->g->dense->part[l->tile] + offset;
     const long row = l->g->dim > 1 ? (offset - f->first) / f->stride[l->g->dim - 1] : 0;
-    for (int i = 0; i < n; i++) {
-        if (!(l->part[offset + i] > 0)) continue;
-        if (l->number) l->number[offset + i] = l->first + l->count;
-        if (l->seat) l->seat[l->count] = (struct seat){l->tile, offset + i};
-        l->count++;
+    for (int i = 0, end; i < n; i = end + 1) {
+        for (end = i; end < n && part[end] > 0; end++)
+            if (l->bed) l->bed->number[l->tile][offset + end] = l->bed->bed.home->low + ++l->cells;
+        if (end == i) continue;
+        if (l->bed)
+            l->bed->row[l->rows] = (struct row){l->tile, offset + i, end - i};
+        else
+            l->cells += end - i;
+        l->rows++;
     }
-    if (l->block_end) l->block_end[l->block + row / BLOCK_ROWS] = l->count;
+    if (l->block_end) l->block_end[row / BLOCK_ROWS] = l->cells;
 }
 
-static int count_cells(const struct gas *g, int *blocks) {
+/* Lists the blocks, or the cells in them. */
+static struct listing list_cells(struct gas *g, bool blocks) {
     const struct forest *f = g->forest;
-    struct listing l = {.g = g};
-    *blocks = 0;
-    for (int t = 0; t < f->ntiles; t++) {
-        if (!g->tiles->bed->holds[t]) continue;
-        l.part = g->dense->part[t];
-        runs_visit(f, &f->tile[t], 0, list_visit, &l);
-        *blocks += blocks_of_tile(g, t);
+    struct bed_set *bed = g->dense->bed.home;
+    struct listing l = {.g = g, .bed = blocks ? NULL : g->dense};
+    if (blocks) bed->blocks = bed->first[0] = 0;
+    for (l.tile = 0; l.tile < f->ntiles; l.tile++) {
+        if (!g->tiles->bed->holds[l.tile]) continue;
+        l.block_end = blocks ? bed->first + bed->blocks + 1 : NULL;
+        runs_visit(f, &f->tile[l.tile], 0, list_visit, &l);
+        for (int i = 0; blocks && i < blocks_of_tile(g, l.tile); i++)
+            bed->number[bed->blocks++] = block_number(f, l.tile, i);
     }
-    return l.count;
-}
-
-static status make_seats(struct gas *g, long cells, long faces) {
-    struct tiles_bed *b = g->tiles->bed;
-    const long n = cells + 2 * faces; /* ghosts are as many as faces at most */
-    if (n > b->room) {
-        free(b->seat);
-        free(b->outer);
-        b->seat = NULL;
-        b->outer = NULL;
-        b->room = 0;
-        TRY(allocate(&b->seat, n + n / 2, sizeof *b->seat, "the bed"));
-        TRY(allocate(&b->outer, n + n / 2, sizeof *b->outer, "the bed"));
-        b->room = n + n / 2;
-    }
-    b->face = b->seat + cells + faces;
-    return OK;
-}
-
-/* Numbers the cells in line 0 of W from 1 on, ghosts too. */
-static void number_cells(struct gas *g, double first) {
-    const struct forest *f = g->forest;
-    struct bed *bed = &g->dense->bed;
-    struct listing l = {.g = g, .first = first, .block_end = bed->first + 1};
-    bed->first[0] = 0;
-    for (int t = 0; t < f->ntiles; t++) {
-        const int blocks = blocks_of_tile(g, t);
-        memset(g->W.block[t], 0, (size_t)f->size * sizeof(double));
-        if (!g->tiles->bed->holds[t]) continue;
-        for (int i = 0; i < blocks; i++) bed->number[l.block + i] = block_number(f, t, i);
-        l.part = g->dense->part[t];
-        l.number = g->W.block[t];
-        runs_visit(f, &f->tile[t], 0, list_visit, &l);
-        l.block += blocks;
-    }
-    forest_fill_layers(g->forest, 1, 1, g->W.block);
-}
-
-static void seat_cells(struct gas *g, struct seat *seat) {
-    struct listing l = {.g = g, .seat = seat};
-    for (l.tile = 0; l.tile < g->forest->ntiles; l.tile++) {
-        l.part = g->dense->part[l.tile];
-        if (g->tiles->bed->holds[l.tile]) runs_visit(g->forest, &g->forest->tile[l.tile], 0, list_visit, &l);
-    }
+    return l;
 }
 
 /* The patch beyond the face of a cell at `at` along an axis; -1: there is none. */
-static int patch_beyond(const struct gas *g, struct seat s, int axis, bool above) {
-    const struct tile *t = &g->forest->tile[s.tile];
+static int patch_beyond(const struct gas *g, int tile, long at, int axis, bool above) {
+    const struct tile *t = &g->forest->tile[tile];
     const struct forest *f = g->forest;
-    long rest = s.at - f->first;
+    long rest = at - f->first;
     int place = 0;
     for (int k = 2; k >= axis; k--) {
         if (k >= g->dim) continue;
@@ -365,58 +322,45 @@ static int patch_beyond(const struct gas *g, struct seat s, int axis, bool above
     return place == (above ? t->n[axis] - 1 : 0) ? t->side[2 * axis + above].patch : -1;
 }
 
-struct weaving { /* faces and ghosts being listed */
-    struct gas *g;
-    double first; /* number of this rank's first cell */
-};
-
-/* The bed's index of the neighbour of cell i: a cell, a ghost that is made, or -1; beyond patches numbers are 0. */
-static int neighbour_of(struct weaving *w, int i, int axis, bool above) {
-    struct bed *bed = &w->g->dense->bed;
-    const struct seat s = w->g->tiles->bed->seat[i];
-    const long at = s.at + (above ? 1 : -1) * w->g->forest->stride[axis];
-    const double number = w->g->W.block[s.tile][at];
-    if (number == 0) return -1;
-    if (number >= w->first && number < w->first + bed->cells) return (int)(number - w->first);
-    w->g->tiles->bed->seat[bed->cells + bed->ghosts] = (struct seat){s.tile, at};
-    return bed->cells + bed->ghosts++;
-}
-
-static int kind_of(const struct gas *g, struct seat s, int axis, bool above, int neighbour) {
-    if (neighbour >= 0) return BED_INNER;
-    const int patch = patch_beyond(g, s, axis, above);
-    if (patch < 0) return BED_KEPT;
-    return patch_is_wall(&g->patches.rules[patch]) ? BED_WALL : BED_HELD;
+static int kind_beyond(const struct gas *g, int tile, long at, int axis, bool above) {
+    const int patch = patch_beyond(g, tile, at, axis, above);
+    return patch < 0 ? BED_KEPT : patch_is_wall(&g->patches.rules[patch]) ? BED_WALL : BED_OPEN;
 }
 
 /* The place of a cell's lower or upper face along an axis in the list of the cells' faces. */
-static int side_entry(const struct bed *bed, int cell, int axis, bool above) {
-    return 2 * (bed->dim * cell + axis) + above;
+static int side_entry(const struct gas *g, int cell, int axis, bool above) {
+    return 2 * (g->dim * cell + axis) + above;
 }
 
-static void add_face(struct weaving *w, int i, int axis, bool above, int neighbour) {
-    struct bed *bed = &w->g->dense->bed;
-    const struct seat s = w->g->tiles->bed->seat[i];
+/* Adds the face between cell i of the bed, at `at` of a tile, and what has the number `other`. */
+static void add_face(struct gas *g, int tile, long at, int i, int axis, bool above, int other) {
+    struct dense *d = g->dense;
+    struct bed_set *bed = d->bed.home;
     const int f = bed->faces++;
-    bed->left[f] = above ? i : neighbour;
-    bed->right[f] = above ? neighbour : i;
-    bed->kind[f] = (unsigned char)kind_of(w->g, s, axis, above, neighbour);
-    if (bed->kind[f] != BED_INNER) w->g->tiles->bed->outer[w->g->tiles->bed->outers++] = f;
+    bed->left[f] = above ? bed->low + i : other;
+    bed->right[f] = above ? other : bed->low + i;
+    bed->kind[f] = (unsigned char)(other >= 0 ? BED_INNER : kind_beyond(g, tile, at, axis, above));
     bed->shape[f] = axis;
-    bed->face_of_cell[side_entry(bed, i, axis, above)] = above ? f : ~f;
-    if (neighbour >= 0 && neighbour < bed->cells) bed->face_of_cell[side_entry(bed, neighbour, axis, false)] = ~f;
-    w->g->tiles->bed->face[f] = (struct seat){s.tile, above ? s.at : s.at - w->g->forest->stride[axis]};
+    bed->face_of_cell[side_entry(g, i, axis, above)] = above ? f : ~f;
+    if (other >= bed->low && other < bed->low + bed->cells)
+        bed->face_of_cell[side_entry(g, other - bed->low, axis, false)] = ~f;
+    if (other < 0)
+        d->border[d->borders++] = (struct dense_border){f, tile, at, at + (above ? 1 : -1) * g->forest->stride[axis]};
 }
 
 /* Makes the face above each cell, and that below where no cell of this rank makes it. */
-static void weave(struct weaving *w) {
-    struct bed *bed = &w->g->dense->bed;
-    bed->ghosts = bed->faces = w->g->tiles->bed->outers = 0;
-    for (int k = 0; k < bed->dim; k++)
-        for (int i = 0; i < bed->cells; i++) {
-            add_face(w, i, k, true, neighbour_of(w, i, k, true));
-            const int below = neighbour_of(w, i, k, false);
-            if (below < 0 || below >= bed->cells) add_face(w, i, k, false, below);
+static void list_faces(struct gas *g) {
+    const struct dense *d = g->dense;
+    const struct bed_set *bed = d->bed.home;
+    for (int k = 0; k < g->dim; k++)
+        for (int r = 0, i = 0; r < d->rows; r++) {
+            const int tile = d->row[r].block, *number = d->number[tile];
+            const long first = d->row[r].at, stride = g->forest->stride[k];
+            for (long at = first; at < first + d->row[r].n; at++, i++) {
+                const int below = number[at - stride] - 1;
+                add_face(g, tile, at, i, k, true, number[at + stride] - 1);
+                if (below < bed->low || below >= bed->low + bed->cells) add_face(g, tile, at, i, k, false, below);
+            }
         }
 }
 
@@ -428,116 +372,25 @@ static status make_fluxes(struct gas *g) {
     return OK;
 }
 
-static status list_here(struct gas *g) {
-    struct bed *bed = &g->dense->bed;
-    int blocks;
-    const int cells = count_cells(g, &blocks);
-    const long faces = (long)g->dim * cells * 2;
-    TRY(make_fluxes(g));
-    TRY(make_seats(g, cells, faces));
-    return bed_size(bed, blocks, cells, (int)faces, (int)faces, (int)faces);
-}
-
-struct moving { /* looks for cells that the stages move */
-    const double *part;
-    bool any;
-};
-
-static void moving_visit(void *moving, long offset, int n) {
-    struct moving *m = moving;
-    for (int i = 0; i < n; i++) m->any |= m->part[offset + i] == 0;
-}
-
-/* Is the bed that of the last list, on all ranks? Else its parts are noted. Finds also whether any cell moves in the
- * stages. */
-static bool is_listed(struct gas *g) {
-    const size_t bytes = (size_t)g->forest->size * sizeof(double);
-    double changes[2] = {0, 0};
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct moving m = {g->dense->part[t], false};
-        if (memcmp(g->tiles->bed->listed[t], g->dense->part[t], bytes) != 0) changes[0] = 1;
-        memcpy(g->tiles->bed->listed[t], g->dense->part[t], bytes);
-        if (g->tiles->bed->holds[t]) runs_visit(g->forest, &g->forest->tile[t], 0, moving_visit, &m);
-        if (m.any || !g->tiles->bed->holds[t]) changes[1] = 1;
-    }
-    comm_max(g->comm, changes, 2);
-    g->dense->alone = changes[1] == 0;
-    return changes[0] == 0 && g->dense->bed.kind;
-}
-
 /* What needs other ranks comes first: a rank with more of the bed has more to list, and less to do in the stages. */
-status tiles_bed_list(struct gas *g, const struct state *from) {
-    struct bed *bed = &g->dense->bed;
-    const struct seat *seat;
-    long first;
-    forest_fill_layers(g->forest, 1, g->nvar, from->block);
-    if (is_listed(g)) return OK;
-    TRY(comm_agree(g->comm, list_here(g)));
-    TRY(bed_number(bed, bed->cells, &first));
-    struct weaving w = {.g = g, .first = (double)first + 1};
-    number_cells(g, w.first);
-    TRY(bed_meet(bed));
-    seat_cells(g, g->tiles->bed->seat);
-    weave(&w);
-    for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * bed->dim * i;
-    for (int i = 0; i < bed->cells + bed->ghosts; i++) bed->body[i] = 0;
-    seat = g->tiles->bed->seat + bed->cells;
-    for (int i = 0; i < bed->ghosts; i++) bed->U[0][bed->cells + i] = g->W.block[seat[i].tile][seat[i].at] - 1;
-    bed_link(bed, bed->U[0] + bed->cells);
+status tiles_bed_list(struct gas *g) {
+    struct bed_set *bed = g->dense->bed.home;
+    const struct listing l = list_cells(g, true);
+    TRY(dense_list(g, make_fluxes(g), l.rows, 2 * g->dim * l.cells));
+    g->dense->rows = list_cells(g, false).rows;
+    forest_fill_int(g->forest, g->dense->number);
+    list_faces(g);
+    for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * g->dim * i;
+    memset(bed->body, 0, (size_t)bed->cells * sizeof *bed->body);
     return OK;
 }
 
 /* ---- to and from the tiles ---- */
 
-/* An open patch whose ghosts have the cell's own state lets it out freely. */
-static bool same_state(const struct gas *g, const double *U, long a, long b) {
-    for (int v = 0; v < g->nvar; v++)
-        if (bits_of(U[v * g->forest->size + a]) != bits_of(U[v * g->forest->size + b])) return false;
-    return true;
-}
-
-static void take_beyond(struct gas *g, const struct state *from) {
-    struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->face;
-    for (int i = 0; i < g->tiles->bed->outers; i++) {
-        const int f = g->tiles->bed->outer[i];
-        const double *U = from->block[seat[f].tile];
-        const long below = seat[f].at, above = below + g->forest->stride[bed->shape[f]];
-        if (bed->kind[f] == BED_WALL) continue;
-        if (bed->kind[f] != BED_KEPT) bed->kind[f] = same_state(g, U, below, above) ? BED_FREE : BED_HELD;
-        for (int v = 0; v < g->nvar; v++) {
-            bed->outside[v][f] = U[v * g->forest->size + (bed->left[f] < 0 ? below : above)];
-            bed->kept[v][f] = 0;
-        }
-    }
-}
-
-/* Returns how many cells of the bed, from `cell` on, lie side by side in a row: at most BATCH. */
-static int run_from(const struct gas *g, int cell) {
-    const struct seat *seat = g->tiles->bed->seat + cell;
-    const int most = g->dense->bed.cells - cell < BATCH ? g->dense->bed.cells - cell : BATCH;
-    int n = 1;
-    while (n < most && seat[n].tile == seat[0].tile && seat[n].at == seat[0].at + n) n++;
-    return n;
-}
-
-void tiles_bed_take(struct gas *g, const struct state *from, bool again) {
-    const struct forest *f = g->forest;
-    struct bed *bed = &g->dense->bed;
-    struct state *const scratch[] = {&g->V, &g->W};
-    for (int t = 0; t < f->ntiles && !again; t++)
+void tiles_bed_fill(struct gas *g, const struct state *from) {
+    forest_fill_layers(g->forest, 1, g->nvar, from->block);
+    for (int t = 0; t < g->forest->ntiles; t++)
         if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t], GHOSTS, NULL);
-    for (int i = 0, n; i < bed->cells; i += n) {
-        const struct seat seat = g->tiles->bed->seat[i];
-        const size_t bytes = (size_t)(n = run_from(g, i)) * sizeof(double);
-        for (int v = 0; v < g->nvar; v++) {
-            const double *U = from->block[seat.tile] + v * f->size + seat.at;
-            memcpy(bed->U[v] + i, U, bytes);
-            for (int s = 0; s < 2 && !again; s++)
-                memcpy(scratch[s]->block[seat.tile] + v * f->size + seat.at, U, bytes);
-        }
-    }
-    if (!again) take_beyond(g, from);
 }
 
 void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column) {
@@ -546,51 +399,34 @@ void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH
 }
 
 void tiles_bed_keep(struct gas *g, double weight) {
-    struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->face;
-    for (int i = 0; i < g->tiles->bed->outers; i++) {
-        const int f = g->tiles->bed->outer[i];
+    const struct bed_set *bed = g->dense->bed.home;
+    for (int i = 0; i < g->dense->borders; i++) {
+        const struct dense_border *b = &g->dense->border[i];
+        const int f = b->face;
         if (bed->kind[f] != BED_KEPT) continue;
-        const long line = (long)bed->shape[f] * g->nvar;
-        const double *from = g->tiles->bed->fluxes[seat[f].tile] + line * g->forest->size + seat[f].at;
+        const long line = (long)bed->shape[f] * g->nvar, below = bed->left[f] < 0 ? b->beyond : b->inside;
+        const double *from = g->tiles->bed->fluxes[b->block] + line * g->forest->size + below;
         for (int v = 0; v < g->nvar; v++) bed->kept[v][f] += weight * from[v * g->forest->size];
     }
 }
 
-long tiles_bed_put(struct gas *g, const struct state *to) {
-    const struct bed *bed = &g->dense->bed;
-    long bad = 0;
+void tiles_bed_unfold(struct gas *g, const struct state *s) {
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->tiles->bed->holds[t]) activity_unfold(g, t, to);
-    for (int i = 0, n; i < bed->cells; i += n) {
-        const struct seat seat = g->tiles->bed->seat[i];
-        double *U = to->block[seat.tile] + seat.at;
-        n = run_from(g, i);
-        for (int v = 0; v < g->nvar; v++) memcpy(U + v * g->forest->size, bed->U[v] + i, (size_t)n * sizeof(double));
-        bad += row_inadmissible(g, to->block[seat.tile], seat.at, n, NULL);
-    }
-    return bad;
+        if (g->tiles->bed->holds[t]) activity_unfold(g, t, s);
 }
 
 void tiles_tally_bed(struct gas *g, double dt) {
-    const struct bed *bed = &g->dense->bed;
-    const struct seat *seat = g->tiles->bed->face;
-    for (int i = 0; i < g->tiles->bed->outers; i++) {
-        const int f = g->tiles->bed->outer[i], axis = bed->shape[f];
-        const bool high = bed->left[f] >= 0;
-        double flux[MAX_VAR];
-        if (bed->kind[f] == BED_KEPT) continue;
-        const long inner = high ? seat[f].at : seat[f].at + g->forest->stride[axis];
-        const int to = tiles_tally_place(g, seat[f].tile, 2 * axis + high, inner);
-        bed_face_flux(bed, f, flux);
-        for (int v = 0; v < g->nvar; v++) g->tally->flow[v][to] = high ? dt * flux[v] : -dt * flux[v];
+    const struct bed_set *bed = g->dense->bed.home;
+    for (int i = 0; i < g->dense->borders; i++) {
+        const struct dense_border *b = &g->dense->border[i];
+        const bool high = bed->left[b->face] >= 0;
+        if (bed->kind[b->face] == BED_KEPT) continue;
+        const int to = tiles_tally_place(g, b->block, 2 * bed->shape[b->face] + high, b->inside);
+        for (int v = 0; v < g->nvar; v++) {
+            const double flux = bed->kept[v][b->face];
+            g->tally->flow[v][to] = high ? dt * flux : -dt * flux;
+        }
     }
-}
-
-long tiles_bed_seat(const struct gas *g, int cell, int *tile) {
-    const struct seat seat = g->tiles->bed->seat[cell];
-    *tile = seat.tile;
-    return seat.at;
 }
 
 void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {

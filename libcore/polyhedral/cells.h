@@ -186,11 +186,10 @@ void cells_bed_free(struct gas *g);
 long cells_bed_find(struct gas *g, double above);
 void cells_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine);
 long cells_bed_include(struct gas *g, double thin, double rate);
-status cells_bed_list(struct gas *g, const struct state *from);
-void cells_bed_take(struct gas *g, const struct state *from, bool again);
+void cells_bed_fill(struct gas *g, const struct state *from);
+status cells_bed_list(struct gas *g);
+void cells_bed_balance(struct gas *g, const struct state *from);
 void cells_bed_keep(struct gas *g, double weight);
-long cells_bed_put(struct gas *g, const struct state *to);
-long cells_bed_seat(const struct gas *g, int cell, int *block);
 void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
 
 /* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks of libcore/gas/tally.h; and what diffusion

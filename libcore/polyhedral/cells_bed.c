@@ -12,10 +12,7 @@ static const double SKEWEST = 0.05;
 struct cells_bed {
     struct bed_shapes shapes; /* of the mesh: each face and each cell has a shape of its own */
     double *memory;           /* of the arms and depths */
-    double *listed;           /* [ncells] the parts for which the bed was listed */
-    int *index;               /* [ncells] the bed's cell or ghost; -1: of the rest */
     int *face;                /* [faces] the bed's face; -1: none */
-    int *seat;                /* [ncells] the cells of the bed, then its ghosts */
 };
 
 /* A mirror's centre is the cell's, reflected in the plane of the face. */
@@ -48,20 +45,19 @@ static status make_shapes(struct gas *g, struct cells_bed *b) {
         for (int k = 0; k < g->dim; k++) s->arm[side][k] = s->depth[side] + (k + 1) * faces;
     }
     for (int f = 0; f < m->face.n; f++) measure_face(m, s, f);
-    g->dense->bed.shapes = s;
+    g->dense->bed.home->shapes = s;
     return OK;
 }
 
 status cells_bed_make(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     struct cells_bed *b;
+    g->dense->own = m->nown;
+    TRY(bed_make(&g->dense->bed, m->nblocks));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->cells->bed = b;
     TRY(allocate(&g->dense->part, 1, sizeof(double *), "the bed"));
     TRY(allocate(&g->dense->part[0], m->size, sizeof(double), "the bed"));
-    TRY(allocate(&b->listed, m->ncells, sizeof(double), "the bed"));
-    int **lists[] = {&b->index, &b->seat};
-    for (int i = 0; i < 2; i++) TRY(allocate(lists[i], m->ncells, sizeof(int), "the bed"));
     TRY(allocate(&b->face, m->face.n, sizeof(int), "the bed"));
     return make_shapes(g, b);
 }
@@ -72,10 +68,7 @@ void cells_bed_free(struct gas *g) {
     free(g->dense->part);
     if (!b) return;
     free(b->memory);
-    free(b->listed);
-    free(b->index);
     free(b->face);
-    free(b->seat);
     free(b);
 }
 
@@ -161,91 +154,76 @@ long cells_bed_include(struct gas *g, double thin, double rate) {
 
 /* ---- the lists ---- */
 
-/* Is the bed that of the last list, on all ranks? Else its parts are noted. Finds also whether any cell moves in the
- * stages. */
-static bool is_listed(struct gas *g) {
+/* Lists the blocks; returns how many sides their cells have. */
+static int list_blocks(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const double *part = g->dense->part[0];
-    double changes[2] = {0, 0}, *listed = g->cells->bed->listed;
-    for (int i = 0; i < m->ncells; i++) {
-        if (listed[i] != part[i]) changes[0] = 1;
-        if (i < m->nown && part[i] == 0) changes[1] = 1;
-        listed[i] = part[i];
-    }
-    comm_max(g->comm, changes, 2);
-    g->dense->alone = changes[1] == 0;
-    return changes[0] == 0 && g->dense->bed.kind;
-}
-
-static status make_room(struct gas *g) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    const double *part = g->dense->part[0];
-    int cells = 0, ghosts = 0, sides = 0;
-    for (int i = 0; i < m->nnear; i++) {
-        if (!(part[i] > 0)) continue;
-        *(i < m->nown ? &cells : &ghosts) += 1;
-        if (i < m->nown) sides += m->face_start[i + 1] - m->face_start[i];
-    }
-    return bed_size(&g->dense->bed, m->nblocks, cells, ghosts, sides, sides);
-}
-
-/* Lists the cells block by block, then the ghosts across their faces. */
-static void seat_cells(struct gas *g) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    struct cells_bed *b = g->cells->bed;
-    struct bed *bed = &g->dense->bed;
-    const double *part = g->dense->part[0];
-    int n = 0;
+    struct bed_set *bed = g->dense->bed.home;
+    int n = 0, sides = 0;
     for (int block = 0; block < m->nblocks; block++) {
         bed->first[block] = n;
         bed->number[block] = m->block_id[block];
-        for (int j = m->block_start[block]; j < m->block_start[block + 1]; j++)
-            if (part[m->block_cell[j]] > 0) b->seat[n++] = m->block_cell[j];
-    }
-    bed->first[m->nblocks] = n;
-    for (int i = 0; i < m->ncells; i++) b->index[i] = -1;
-    for (int i = 0; i < n; i++) b->index[b->seat[i]] = i;
-    for (int i = 0; i < bed->cells; i++)
-        for (int j = m->face_start[b->seat[i]]; j < m->face_start[b->seat[i] + 1]; j++) {
-            const int other = cells_across(m, j);
-            if (other < m->nown || other >= m->nnear || !(part[other] > 0) || b->index[other] >= 0) continue;
-            b->index[other] = n;
-            b->seat[n++] = other;
+        for (int j = m->block_start[block]; j < m->block_start[block + 1]; j++) {
+            const int cell = m->block_cell[j];
+            if (!(g->dense->part[0][cell] > 0)) continue;
+            sides += m->face_start[cell + 1] - m->face_start[cell];
+            n++;
         }
-    bed->ghosts = n - bed->cells;
-    for (int i = 0; i < n; i++) bed->body[i] = b->seat[i];
+    }
+    bed->blocks = m->nblocks;
+    bed->first[bed->blocks] = n;
+    return sides;
 }
 
-static int kind_of(const struct gas *g, int face, int left, int right) {
-    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    if (face < f->ninternal) return left < 0 || right < 0 ? BED_KEPT : BED_INNER;
-    return patch_is_wall(&g->patches.rules[f->patch[face - f->ninternal]]) ? BED_WALL : BED_HELD;
+/* Numbers the cells block by block, and lists them as rows. */
+static void list_cells(struct gas *g) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    struct dense *d = g->dense;
+    struct row *row = NULL;
+    int n = 0;
+    for (int j = 0; j < m->nown; j++) {
+        const int cell = m->block_cell[j];
+        if (!(d->part[0][cell] > 0)) continue;
+        d->bed.home->body[n] = cell;
+        d->number[0][cell] = d->bed.home->low + ++n;
+        if (row && row->n < BATCH && cell == row->at + row->n) {
+            row->n++;
+        } else {
+            row = &d->row[d->rows++];
+            *row = (struct row){0, cell, 1};
+        }
+    }
 }
 
 /* Returns the bed's face for a face of the mesh, which is made. */
 static int list_face(struct gas *g, int face) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     const struct cells_bed *b = g->cells->bed;
-    struct bed *bed = &g->dense->bed;
+    struct dense *d = g->dense;
+    struct bed_set *bed = d->bed.home;
     if (b->face[face] >= 0) return b->face[face];
-    const int at = b->face[face] = bed->faces++;
+    const int at = b->face[face] = bed->faces++, left = f->left[face], right = f->right[face];
     bed->shape[at] = face;
-    bed->left[at] = b->index[f->left[face]];
-    bed->right[at] = face < f->ninternal ? b->index[f->right[face]] : -1;
-    bed->kind[at] = (unsigned char)kind_of(g, face, bed->left[at], bed->right[at]);
+    bed->left[at] = d->number[0][left] - 1;
+    bed->right[at] = d->number[0][right] - 1;
+    bed->kind[at] = BED_INNER;
+    if (bed->left[at] >= 0 && bed->right[at] >= 0) return at;
+    if (face < f->ninternal)
+        bed->kind[at] = BED_KEPT;
+    else
+        bed->kind[at] = patch_is_wall(&g->patches.rules[f->patch[face - f->ninternal]]) ? BED_WALL : BED_OPEN;
+    const bool in = bed->left[at] >= 0;
+    d->border[d->borders++] = (struct dense_border){at, 0, in ? left : right, in ? right : left};
     return at;
 }
 
 static void list_faces(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct cells_bed *b = g->cells->bed;
-    struct bed *bed = &g->dense->bed;
+    struct bed_set *bed = g->dense->bed.home;
     int entry = 0;
-    for (int i = 0; i < m->face.n; i++) b->face[i] = -1;
-    bed->faces = 0;
+    for (int i = 0; i < m->face.n; i++) g->cells->bed->face[i] = -1;
     for (int i = 0; i < bed->cells; i++) {
         bed->face_start[i] = entry;
-        for (int j = m->face_start[b->seat[i]]; j < m->face_start[b->seat[i] + 1]; j++) {
+        for (int j = m->face_start[bed->body[i]]; j < m->face_start[bed->body[i] + 1]; j++) {
             const int face = m->face_of_cell[j];
             bed->face_of_cell[entry++] = face < 0 ? ~list_face(g, ~face) : list_face(g, face);
         }
@@ -253,63 +231,35 @@ static void list_faces(struct gas *g) {
     bed->face_start[bed->cells] = entry;
 }
 
-/* ---- to and from the cells ---- */
-
-/* Tells the bed the numbers of its ghosts over all ranks, which come in line 0 of W. */
-static status link_ghosts(struct gas *g) {
-    struct bed *bed = &g->dense->bed;
-    const int *seat = g->cells->bed->seat;
-    double *W[MAX_VAR];
-    long first;
-    TRY(bed_number(bed, bed->cells, &first));
-    TRY(bed_meet(bed));
-    cells_lines(g, &g->W, W);
-    for (int i = 0; i < bed->cells; i++) W[0][seat[i]] = (double)(first + i);
-    fill_lines(g, 1, W);
-    for (int i = 0; i < bed->ghosts; i++) bed->U[0][bed->cells + i] = W[0][seat[bed->cells + i]];
-    bed_link(bed, bed->U[0] + bed->cells);
+status cells_bed_list(struct gas *g) {
+    const int sides = list_blocks(g);
+    const struct bed_set *bed = g->dense->bed.home;
+    TRY(dense_list(g, OK, bed->first[bed->blocks], sides));
+    list_cells(g);
+    polyhedra_fill_int(g->cells->polyhedra, g->dense->number[0]);
+    list_faces(g);
     return OK;
 }
 
-status cells_bed_list(struct gas *g, const struct state *from) {
+/* ---- to and from the cells ---- */
+
+void cells_bed_fill(struct gas *g, const struct state *from) {
+    const struct polyhedra *m = g->cells->polyhedra;
     double *U[MAX_VAR];
     cells_lines(g, from, U);
     fill_lines(g, g->nvar, U);
-    if (is_listed(g)) return OK;
-    TRY(comm_agree(g->comm, make_room(g)));
-    seat_cells(g);
-    list_faces(g);
-    return link_ghosts(g);
-}
-
-/* An open patch whose mirror has the cell's own state lets it out freely. */
-static bool same_state(const struct gas *g, double *const U[MAX_VAR], int a, int b) {
-    for (int v = 0; v < g->nvar; v++)
-        if (bits_of(U[v][a]) != bits_of(U[v][b])) return false;
-    return true;
-}
-
-static void take_beyond(struct gas *g, double *const U[MAX_VAR]) {
-    const struct polyhedra_faces *faces = &g->cells->polyhedra->face;
-    struct bed *bed = &g->dense->bed;
-    for (int f = 0; f < bed->faces; f++) {
-        const int left = faces->left[bed->shape[f]], right = faces->right[bed->shape[f]];
-        if (bed->kind[f] == BED_INNER || bed->kind[f] == BED_WALL) continue;
-        if (bed->kind[f] != BED_KEPT) bed->kind[f] = same_state(g, U, left, right) ? BED_FREE : BED_HELD;
-        for (int v = 0; v < g->nvar; v++) {
-            bed->outside[v][f] = U[v][bed->left[f] < 0 ? left : right];
-            bed->kept[v][f] = 0;
-        }
-    }
+    cells_mirrors(g, 0, m->face.n - m->face.ninternal, U);
 }
 
 /* A state at rest has the pressures of the explicit scheme on its faces. */
-static void take_balance(struct gas *g, const double *const U[MAX_VAR]) {
+void cells_bed_balance(struct gas *g, const struct state *from) {
     const struct polyhedra *m = g->cells->polyhedra;
-    struct bed *bed = &g->dense->bed;
+    struct bed_set *bed = g->dense->bed.home;
+    double *U[MAX_VAR];
     bed->balanced = g->cells->rest != NULL;
     if (!bed->balanced) return;
-    cells_rest_find(g, 0, m->nnear, U);
+    cells_lines(g, from, U);
+    cells_rest_find(g, 0, m->nnear, (const double *const *)U);
     for (int f = 0; f < bed->faces; f++)
         for (int side = 0; side < 2; side++) {
             const int face = bed->shape[f], cell = side ? m->face.right[face] : m->face.left[face];
@@ -319,44 +269,14 @@ static void take_balance(struct gas *g, const double *const U[MAX_VAR]) {
         }
 }
 
-void cells_bed_take(struct gas *g, const struct state *from, bool again) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    struct bed *bed = &g->dense->bed;
-    double *U[MAX_VAR];
-    cells_lines(g, from, U);
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < bed->cells; i++) bed->U[v][i] = U[v][g->cells->bed->seat[i]];
-    if (again) return;
-    cells_mirrors(g, 0, m->face.n - m->face.ninternal, U);
-    take_beyond(g, U);
-    take_balance(g, (const double *const *)U);
-}
-
 void cells_bed_keep(struct gas *g, double weight) {
-    struct bed *bed = &g->dense->bed;
-    for (int f = 0; f < bed->faces; f++) {
-        const int face = bed->shape[f];
+    const struct bed_set *bed = g->dense->bed.home;
+    for (int i = 0; i < g->dense->borders; i++) {
+        const int f = g->dense->border[i].face, face = bed->shape[f];
         if (bed->kind[f] != BED_KEPT) continue;
         for (int v = 0; v < g->nvar; v++)
             bed->kept[v][f] += weight * g->cells->flux[v][face] / g->cells->polyhedra->face.area[face];
     }
-}
-
-long cells_bed_put(struct gas *g, const struct state *to) {
-    const struct bed *bed = &g->dense->bed;
-    const int *seat = g->cells->bed->seat;
-    double *U[MAX_VAR];
-    long bad = 0;
-    cells_lines(g, to, U);
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < bed->cells; i++) U[v][seat[i]] = bed->U[v][i];
-    for (int i = 0; i < bed->cells; i++) bad += row_inadmissible(g, to->block[0], seat[i], 1, NULL);
-    return bad;
-}
-
-long cells_bed_seat(const struct gas *g, int cell, int *block) {
-    *block = 0;
-    return g->cells->bed->seat[cell];
 }
 
 /* The first cell of a block stands for all of them. */

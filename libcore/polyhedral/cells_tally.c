@@ -31,13 +31,12 @@ void cells_tally_stage(struct gas *g, double weight) {
 
 void cells_tally_bed(struct gas *g, double dt) {
     const struct polyhedra_faces *faces = &g->cells->polyhedra->face;
-    const struct bed *bed = &g->dense->bed;
+    const struct bed_set *bed = g->dense->bed.home;
     for (int f = 0; f < bed->faces; f++) {
         const int face = bed->shape[f];
-        double flux[MAX_VAR];
         if (face < faces->ninternal) continue;
-        bed_face_flux(bed, f, flux);
-        for (int v = 0; v < g->nvar; v++) g->tally->flow[v][face - faces->ninternal] = dt * faces->area[face] * flux[v];
+        for (int v = 0; v < g->nvar; v++)
+            g->tally->flow[v][face - faces->ninternal] = dt * faces->area[face] * bed->kept[v][f];
     }
 }
 

@@ -32,7 +32,7 @@ static bool border_end(struct gas *g, struct attempt *a) {
 const struct part border_part = {"border of the bed", has_bed, border_begin, border_stage, border_end, GAS_FLOW};
 
 static bool bed_end(struct gas *g, struct attempt *a) {
-    g->engine->bed.take(g, &g->V, true);
+    dense_take(g, &g->V);
     if (!dense_advance(g, a->t, a->dt, a->guarded, &g->V)) return false;
     books_bed(g, a->dt);
     return true;

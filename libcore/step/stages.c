@@ -165,7 +165,7 @@ static bool stages_end(struct gas *g, struct attempt *a) {
         g->engine->stage.clear_flags(g);
         return false;
     }
-    (void)g->engine->bed.put(g, &g->V);
+    (void)dense_put(g, &g->V);
     return true;
 }
 

@@ -34,7 +34,7 @@ static inline void make_shapes(struct box *x, int cells, int faces) {
 
 /* The faces of boxes along an axis: the lower ones of each line of cells, then one above each cell. */
 static inline int link_boxes(struct box *x, int axis, int faces) {
-    struct bed *b = &x->bed;
+    struct bed_set *b = &x->bed.set;
     const int n = x->n[axis], step = axis ? x->n[0] : 1;
     const bool periodic = x->periodic && axis == 0;
     for (int i = 0; i < b->cells; i++)
@@ -45,8 +45,8 @@ static inline int link_boxes(struct box *x, int axis, int faces) {
             b->right[f] = above ? other : i;
             b->kind[f] = above && other >= 0 ? BED_INNER : BED_WALL;
             b->shape[f] = axis;
-            b->face_of_cell[2 * (b->dim * i + axis) + above] = above ? f : ~f;
-            if (above && other >= 0) b->face_of_cell[2 * (b->dim * other + axis)] = ~f;
+            b->face_of_cell[2 * (x->bed.dim * i + axis) + above] = above ? f : ~f;
+            if (above && other >= 0) b->face_of_cell[2 * (x->bed.dim * other + axis)] = ~f;
         }
     return faces;
 }
@@ -54,8 +54,8 @@ static inline int link_boxes(struct box *x, int axis, int faces) {
 static inline int make_boxes(struct box *x) {
     struct bed_shapes *s = &x->shapes;
     int faces = 0;
-    for (int i = 0; i < x->bed.cells; i++) x->bed.body[i] = 0;
-    for (int i = 0; i <= x->bed.cells; i++) x->bed.face_start[i] = 2 * x->bed.dim * i;
+    for (int i = 0; i < x->bed.set.cells; i++) x->bed.set.body[i] = 0;
+    for (int i = 0; i <= x->bed.set.cells; i++) x->bed.set.face_start[i] = 2 * x->bed.dim * i;
     s->volume[0] = x->width * x->width;
     for (int k = 0; k < x->bed.dim; k++) {
         s->area[k] = x->width;
@@ -92,21 +92,21 @@ static inline int add_edge(struct box *x, double (*middle)[2], int *faces, int c
         s->area[f] = hypot(b[0] - a[0], b[1] - a[1]);
         s->normal[0][f] = (b[1] - a[1]) / s->area[f];
         s->normal[1][f] = (a[0] - b[0]) / s->area[f];
-        x->bed.shape[f] = f;
-        x->bed.kind[f] = BED_WALL;
+        x->bed.set.shape[f] = f;
+        x->bed.set.kind[f] = BED_WALL;
     }
     for (int k = 0; k < 2; k++) s->arm[right][k][f] = m[k] - c[k];
     s->depth[right][f] = fabs((m[0] - c[0]) * s->normal[0][f] + (m[1] - c[1]) * s->normal[1][f]);
-    if (right) x->bed.kind[f] = BED_INNER;
-    x->bed.left[f] = right ? x->bed.left[f] : cell;
-    x->bed.right[f] = right ? cell : -1;
+    if (right) x->bed.set.kind[f] = BED_INNER;
+    x->bed.set.left[f] = right ? x->bed.set.left[f] : cell;
+    x->bed.set.right[f] = right ? cell : -1;
     return right ? ~f : f;
 }
 
 /* Two triangles a box, whose diagonals alternate. The inner points of the grid are moved, alike in every period. */
 static inline int make_triangles(struct box *x) {
     static const int corner[2][2][3] = {{{0, 1, 3}, {0, 3, 2}}, {{0, 1, 2}, {1, 3, 2}}};
-    struct bed *b = &x->bed;
+    struct bed_set *b = &x->bed.set;
     double(*middle)[2] = calloc((size_t)(3 * b->cells), sizeof *middle);
     int faces = 0;
     assert_non_null(middle);
@@ -136,8 +136,8 @@ static inline int make_triangles(struct box *x) {
 /* Beyond walls the arms are those of mirror images. */
 static inline void make_mirrors(struct box *x) {
     struct bed_shapes *s = &x->shapes;
-    for (int f = 0; f < x->bed.faces && x->triangles; f++) {
-        if (x->bed.right[f] >= 0) continue;
+    for (int f = 0; f < x->bed.set.faces && x->triangles; f++) {
+        if (x->bed.set.right[f] >= 0) continue;
         for (int k = 0; k < 2; k++) s->arm[1][k][f] = s->arm[0][k][f] - 2 * s->depth[0][f] * s->normal[k][f];
         s->depth[1][f] = s->depth[0][f];
     }
@@ -162,17 +162,17 @@ static inline void box_make(struct box *x, const struct comm *comm, const char *
                           .comm = comm,
                           .dim = dim,
                           .components = dim,
-                          .shapes = &x->shapes,
                           .limit = density_limit(row, &x->material),
                           .params = {.dense = 0.9, .gain = 4, .governor = 1, .soft = 0.2, .keep = 0.05}};
     make_shapes(x, cells, sides);
-    ok(bed_make(&x->bed));
-    ok(bed_size(&x->bed, ny, cells, 0, sides, sides)); /* room for blocks of rows */
-    x->bed.blocks = 1;
-    x->bed.faces = triangles ? make_triangles(x) : make_boxes(x);
+    ok(bed_make(&x->bed, ny)); /* room for blocks of rows */
+    x->bed.set.shapes = &x->shapes;
+    x->bed.set.blocks = 1;
+    x->bed.set.first[0] = x->bed.set.number[0] = 0;
+    x->bed.set.first[1] = cells;
+    ok(bed_list(&x->bed, sides));
+    x->bed.set.faces = triangles ? make_triangles(x) : make_boxes(x);
     make_mirrors(x);
-    x->bed.first[0] = x->bed.number[0] = 0;
-    x->bed.first[1] = cells;
 }
 
 static inline void box_free(struct box *x) {
@@ -182,11 +182,11 @@ static inline void box_free(struct box *x) {
 }
 
 static inline double volume_of(const struct box *x, int i) {
-    return x->shapes.volume[x->bed.body[i]];
+    return x->shapes.volume[x->bed.set.body[i]];
 }
 
 static inline void set(struct box *x, int i, double alpha, double T, double u, double v) {
-    double **U = x->bed.U;
+    double **U = x->bed.set.U;
     const double rho = alpha / packing_per_density(&x->material);
     const int last = x->bed.dim + 1;
     U[0][i] = rho;

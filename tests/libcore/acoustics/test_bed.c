@@ -8,18 +8,18 @@ static const double DEEP = 9.81; /* m/s^2 */
 
 static double total(const struct box *x, int v) {
     double sum = 0;
-    for (int i = 0; i < x->bed.cells; i++) sum += x->bed.U[v][i] * volume_of(x, i);
+    for (int i = 0; i < x->bed.set.cells; i++) sum += x->bed.set.U[v][i] * volume_of(x, i);
     return sum;
 }
 
 static double alpha_of(const struct box *x, int i) {
-    return x->bed.U[0][i] * packing_per_density(&x->material);
+    return x->bed.set.U[0][i] * packing_per_density(&x->material);
 }
 
 static double eps_at(const struct box *x, int i) {
     double square = 0;
-    for (int k = 1; k <= x->bed.dim; k++) square += x->bed.U[k][i] * x->bed.U[k][i];
-    return (x->bed.U[x->bed.dim + 1][i] - 0.5 * square / x->bed.U[0][i]) / x->bed.U[0][i];
+    for (int k = 1; k <= x->bed.dim; k++) square += x->bed.set.U[k][i] * x->bed.set.U[k][i];
+    return (x->bed.set.U[x->bed.dim + 1][i] - 0.5 * square / x->bed.set.U[0][i]) / x->bed.set.U[0][i];
 }
 
 /* Finds alpha of the cell above one of pressure p and density rho, both of temperature T, by bisection, so that
@@ -39,7 +39,7 @@ static double above(const struct box *x, double p, double rho, double T) {
 /* A column at rest in which T is uniform, and its step of 300 times that of sound. */
 static double lay_column(struct box *x, double alpha, double T) {
     double fastest = 0;
-    for (int i = 0; i < x->bed.cells; i++) {
+    for (int i = 0; i < x->bed.set.cells; i++) {
         double p, c2, gruneisen;
         const double rho = alpha / packing_per_density(&x->material), eps = eps_of(&x->material, T);
         set(x, i, alpha, T, 0, 0);
@@ -63,8 +63,8 @@ static void test_a_column_at_rest_stays_so(void **state) {
             ok(bed_step(&x.bed, dt, gravity, &done));
             assert_true(done);
         }
-        for (int i = 0; i < x.bed.cells; i++) {
-            assert_true(fabs(x.bed.U[1][i] / x.bed.U[0][i]) < 1e-9 * sqrt(T));
+        for (int i = 0; i < x.bed.set.cells; i++) {
+            assert_true(fabs(x.bed.set.U[1][i] / x.bed.set.U[0][i]) < 1e-9 * sqrt(T));
             assert_true(fabs(temperature_of(&x.material, eps_at(&x, i)) - T) < 1e-9 * T);
         }
         assert_true(fabs(total(&x, 0) - mass) < 1e-13 * mass);
@@ -82,8 +82,8 @@ static void test_gas_on_triangles_at_rest_stays_so(void **state) {
     const double rho = 0.63 / packing_per_density(&x.material), one = 1;
     double p, c2, gruneisen, fastest = 0;
     x.bed.eos->state(&x.material, 1, &rho, &one, &p, &c2, &gruneisen);
-    double *eps = calloc((size_t)x.bed.cells, sizeof *eps);
-    for (int i = 0; i < x.bed.cells; i++) {
+    double *eps = calloc((size_t)x.bed.set.cells, sizeof *eps);
+    for (int i = 0; i < x.bed.set.cells; i++) {
         eps[i] = rho * (1000 + gravity[0] * x.centre[i][0] + gravity[1] * x.centre[i][1]) / p;
         set(&x, i, 0.63, temperature_of(&x.material, eps[i]), 0, 0);
         fastest = larger(fastest, sqrt(c2 * eps[i]));
@@ -93,8 +93,8 @@ static void test_gas_on_triangles_at_rest_stays_so(void **state) {
         ok(bed_step(&x.bed, dt, gravity, &done));
         assert_true(done);
     }
-    for (int i = 0; i < x.bed.cells; i++) {
-        assert_true(hypot(x.bed.U[1][i], x.bed.U[2][i]) / x.bed.U[0][i] < 1e-9 * sqrt(1000 * rho / p));
+    for (int i = 0; i < x.bed.set.cells; i++) {
+        assert_true(hypot(x.bed.set.U[1][i], x.bed.set.U[2][i]) / x.bed.set.U[0][i] < 1e-9 * sqrt(1000 * rho / p));
         assert_true(fabs(eps_at(&x, i) - eps[i]) < 1e-9 * eps[i]);
     }
     free(eps);
@@ -113,14 +113,14 @@ static void test_bounds_and_conservation_at_any_step(void **state) {
     for (int k = 0; k < 120; k++) {
         struct box x;
         box_make(&x, comm, eos[k % 3], 0.8, 12, 8, 1, true, k >= 60);
-        for (int i = 0; i < x.bed.cells; i++)
+        for (int i = 0; i < x.bed.set.cells; i++)
             set(&x, i, chance(&seed) < 0.2 ? 1e-8 : 0.64 * (1 - pow(10, -6 * chance(&seed)) * 0.9),
                 pow(10, 4 * chance(&seed) - 2), chance(&seed) - 0.5, chance(&seed) - 0.5);
         const double dt = pow(10, -3 + 3 * chance(&seed)), before[] = {total(&x, 0), total(&x, 1), total(&x, 3)};
         bool done;
         ok(bed_step(&x.bed, dt, gravity, &done));
-        for (int i = 0; done && i < x.bed.cells; i++) {
-            assert_true(x.bed.U[0][i] > 0 && x.bed.U[0][i] < x.bed.limit);
+        for (int i = 0; done && i < x.bed.set.cells; i++) {
+            assert_true(x.bed.set.U[0][i] > 0 && x.bed.set.U[0][i] < x.bed.limit);
             assert_true(eps_at(&x, i) > 0);
             const struct bed_lines *b = x.bed.lines;
             const double pressed = smaller(b->eps[i], b->eps[i] - b->p[i] * (1 / b->root[i] - 1 / b->rho[i]));
@@ -130,7 +130,7 @@ static void test_bounds_and_conservation_at_any_step(void **state) {
         if (done) {
             assert_true(fabs(total(&x, 0) - before[0]) < 1e-12 * before[0]);
             assert_true(fabs(total(&x, 1) - before[1]) < 1e-10 * before[2]);
-            assert_true(fabs(total(&x, 3) - before[2] - x.bed.lift[0]) < 1e-10 * before[2]);
+            assert_true(fabs(total(&x, 3) - before[2] - x.bed.set.lift[0]) < 1e-10 * before[2]);
             stood[k >= 60]++;
         }
         box_free(&x);
@@ -150,15 +150,15 @@ static void test_a_block_that_hits_a_wall_is_not_pressed_beyond_packing(void **s
     for (int step = 0; step < 20; step++) {
         for (double dt = 0.2; !done && dt > 1e-4; dt *= 0.5) {
             double kept[3][20];
-            for (int v = 0; v < 3; v++) memcpy(kept[v], x.bed.U[v], sizeof kept[v]);
+            for (int v = 0; v < 3; v++) memcpy(kept[v], x.bed.set.U[v], sizeof kept[v]);
             ok(bed_step(&x.bed, dt, gravity, &done));
-            for (int v = 0; v < 3 && !done; v++) memcpy(x.bed.U[v], kept[v], sizeof kept[v]);
+            for (int v = 0; v < 3 && !done; v++) memcpy(x.bed.set.U[v], kept[v], sizeof kept[v]);
         }
         assert_true(done);
         done = false;
         for (int i = 0; i < 20; i++) assert_true(alpha_of(&x, i) < 0.64 && eps_at(&x, i) > 0);
     }
-    for (int i = 0; i < 10; i++) assert_true(fabs(x.bed.U[1][i] / x.bed.U[0][i]) < 0.5);
+    for (int i = 0; i < 10; i++) assert_true(fabs(x.bed.set.U[1][i] / x.bed.set.U[0][i]) < 0.5);
     box_free(&x);
 }
 
@@ -168,8 +168,8 @@ static double carried(int n, bool triangles) {
     const double gravity[MAX_DIM] = {0}, width = 1. / n, u = 1e-3, dt = (triangles ? 0.2 : 0.4) * width / u, T0 = 1;
     box_make(&x, comm, "TorquatoSpheres", 1, n, triangles ? 2 : 1, width, true, triangles);
     const double per = packing_per_density(&x.material), mean = 0.6 / per;
-    double p0 = 0, error = 0, *first = malloc((size_t)x.bed.cells * sizeof *first);
-    for (int i = 0; i < x.bed.cells; i++) {
+    double p0 = 0, error = 0, *first = malloc((size_t)x.bed.set.cells * sizeof *first);
+    for (int i = 0; i < x.bed.set.cells; i++) {
         const double place = triangles ? x.centre[i][0] / width : i + 0.5;
         const double rho = (0.6 + 0.02 * sin(2 * acos(-1) * place / n)) / per;
         double p, c2, gruneisen, eps = eps_of(&x.material, T0);
@@ -184,7 +184,7 @@ static double carried(int n, bool triangles) {
         ok(bed_step(&x.bed, dt, gravity, &done));
         assert_true(done);
     }
-    for (int i = 0; i < x.bed.cells; i++) error += fabs(x.bed.U[0][i] - first[i]) / (x.bed.cells * mean);
+    for (int i = 0; i < x.bed.set.cells; i++) error += fabs(x.bed.set.U[0][i] - first[i]) / (x.bed.set.cells * mean);
     box_free(&x);
     free(first);
     return error;
@@ -257,9 +257,9 @@ static int brake_of(double mach, double courant, double soft) {
     for (int i = 0; i < N; i++) set(&x, i, alpha, T, i % 2 ? -v : v, 0);
     ok(bed_step(&x.bed, x.width / stiff, gravity, &done));
     assert_true(done);
-    for (int f = 0; f < x.bed.faces; f++) {
+    for (int f = 0; f < x.bed.set.faces; f++) {
         const struct bed_lines *b = x.bed.lines;
-        const int l = x.bed.left[f], r = x.bed.right[f], cell = l < 0 ? r : l;
+        const int l = x.bed.set.left[f], r = x.bed.set.right[f], cell = l < 0 ? r : l;
         const double mean = 0.5 * (b->P[l < 0][f] + b->P[r >= 0][f]), away = (l < 0 ? -1 : 1) * (cell % 2 ? -v : v);
         const double q = braked(rho, c, stiff, soft, 2 * v, -2 * away);
         assert_true(fabs(b->p_face[f] - mean - q) < 1e-12 * (mean + fabs(q)));

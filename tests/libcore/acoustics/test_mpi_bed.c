@@ -9,7 +9,7 @@ static struct comm *world, *alone;
 
 /* Cuts the cells of a box into blocks of ROWS rows, the last one of what is left. Blocks bear odd numbers. */
 static void cut(struct box *x, int rows) {
-    struct bed *b = &x->bed;
+    struct bed_set *b = &x->bed.set;
     const int each = b->cells / rows * ROWS;
     b->blocks = 0;
     for (int at = 0; at < b->cells; at += each) {
@@ -19,19 +19,21 @@ static void cut(struct box *x, int rows) {
     b->first[b->blocks] = b->cells;
 }
 
-/* Turns walls into open faces and kept ones, with gas beyond. */
+/* Turns walls into open faces, which hold a pressure or do not, and kept ones, with gas beyond. */
 static void open_walls(struct box *x, unsigned *seed) {
-    static const enum bed_kind kind[] = {BED_WALL, BED_HELD, BED_FREE, BED_KEPT};
-    struct bed *b = &x->bed;
+    static const enum bed_kind kind[] = {BED_WALL, BED_OPEN, BED_OPEN, BED_KEPT};
+    struct bed_set *b = &x->bed.set;
+    const int dim = x->bed.dim;
     b->balanced = x->triangles;
     for (int f = 0; f < b->faces; f++) {
         const int inside = b->left[f] < 0 ? b->right[f] : b->left[f];
         for (int side = 0; side < 2; side++) b->balance[side][f] = 1e-4 * (chance(seed) - 0.5);
         if (b->kind[f] == BED_INNER) continue;
         b->kind[f] = (unsigned char)kind[f % 4];
-        for (int v = 0; v < b->dim + 2; v++) {
-            b->outside[v][f] = b->U[v][inside] * (v == 0 || v > b->dim ? 0.9 : 1);
-            b->kept[v][f] = v == 0 || v > b->dim ? 0 : 1e-3 * x->shapes.normal[v - 1][b->shape[f]];
+        b->holds[f] = f % 4 == 1;
+        for (int v = 0; v < dim + 2; v++) {
+            b->outside[v][f] = b->U[v][inside] * (v == 0 || v > dim ? 0.9 : 1);
+            b->kept[v][f] = v == 0 || v > dim ? 0 : 1e-3 * x->shapes.normal[v - 1][b->shape[f]];
         }
     }
 }
@@ -49,43 +51,33 @@ struct part { /* the cells of a box that this rank is home to */
 
 /* Numbers the cells over all ranks in the order of their homes. */
 static void number_all(const struct box *x, int way, int *number) {
-    const struct bed *b = &x->bed;
+    const struct bed_set *b = &x->bed.set;
     int next = 0;
     for (int r = 0; r < comm_size(world); r++)
         for (int j = 0; j < b->blocks; j++)
             for (int i = b->first[j]; i < b->first[j + 1] && home_of(way, j, b->blocks) == r; i++) number[i] = next++;
 }
 
-/* The place of a cell of the box in the part: among its own cells, or as a ghost that is made; -1: it is none. */
-static int place_of(struct part *p, const int *number, long first, int cell) {
-    struct bed *b = &p->bed;
-    if (cell < 0) return -1;
-    if (number[cell] >= first && number[cell] < first + b->cells) return (int)(number[cell] - first);
-    b->U[0][b->cells + b->ghosts] = number[cell];
-    b->body[b->cells + b->ghosts] = 0;
-    return b->cells + b->ghosts++;
-}
-
 /* Lists the faces of this rank's cells. */
-static void list_faces(struct part *p, const struct box *x, const int *number, long first) {
-    struct bed *b = &p->bed;
-    int *place = calloc((size_t)x->bed.faces, sizeof *place), entry = 0;
+static void list_faces(struct part *p, const struct bed_set *whole, const int *number) {
+    struct bed_set *b = p->bed.home;
+    int *place = calloc((size_t)whole->faces, sizeof *place), entry = 0;
     assert_non_null(place);
-    b->faces = b->ghosts = 0;
+    b->faces = 0;
     for (int i = 0; i < b->cells; i++) {
         const int c = p->cell[i];
         b->face_start[i] = entry;
-        b->body[i] = x->bed.body[c];
-        for (int j = x->bed.face_start[c]; j < x->bed.face_start[c + 1]; j++) {
-            const int listed = x->bed.face_of_cell[j], of = listed < 0 ? ~listed : listed;
+        b->body[i] = whole->body[c];
+        for (int j = whole->face_start[c]; j < whole->face_start[c + 1]; j++) {
+            const int listed = whole->face_of_cell[j], of = listed < 0 ? ~listed : listed;
             if (place[of] == 0) {
                 const int f = b->faces++;
                 p->face[f] = of;
                 place[of] = f + 1;
-                b->left[f] = place_of(p, number, first, x->bed.left[of]);
-                b->right[f] = place_of(p, number, first, x->bed.right[of]);
-                b->kind[f] = x->bed.kind[of];
-                b->shape[f] = x->bed.shape[of];
+                b->left[f] = whole->left[of] < 0 ? -1 : number[whole->left[of]];
+                b->right[f] = whole->right[of] < 0 ? -1 : number[whole->right[of]];
+                b->kind[f] = whole->kind[of];
+                b->shape[f] = whole->shape[of];
             }
             b->face_of_cell[entry++] = listed < 0 ? ~(place[of] - 1) : place[of] - 1;
         }
@@ -96,12 +88,9 @@ static void list_faces(struct part *p, const struct box *x, const int *number, l
 
 /* Lists the part, and deals it. */
 static void part_lists(struct part *p, const struct box *x, int way) {
-    const struct bed *whole = &x->bed;
-    const int sides = whole->face_start[whole->cells];
-    struct bed *b = &p->bed;
-    long first;
+    const struct bed_set *whole = &x->bed.set;
+    struct bed_set *b = p->bed.home;
     int *number = malloc((size_t)whole->cells * sizeof *number), cells = 0;
-    ok(bed_size(b, whole->blocks, whole->cells, sides, sides, sides));
     b->blocks = 0;
     for (int j = 0; j < whole->blocks; j++) {
         if (home_of(way, j, whole->blocks) != comm_rank(world)) continue;
@@ -109,29 +98,28 @@ static void part_lists(struct part *p, const struct box *x, int way) {
         b->first[b->blocks++] = cells;
         for (int i = whole->first[j]; i < whole->first[j + 1]; i++) p->cell[cells++] = i;
     }
-    b->first[b->blocks] = b->cells = cells;
+    b->first[b->blocks] = cells;
+    ok(bed_list(&p->bed, whole->face_start[whole->cells]));
     b->balanced = whole->balanced;
     number_all(x, way, number);
-    ok(bed_number(b, cells, &first));
-    ok(bed_meet(b));
-    list_faces(p, x, number, first);
-    bed_link(b, b->U[0] + cells);
+    assert_true(cells == 0 || b->low == number[p->cell[0]]);
+    list_faces(p, whole, number);
     free(number);
 }
 
 static void part_make(struct part *p, const struct box *x, int way) {
     const struct bed *whole = &x->bed;
-    p->cell = malloc((size_t)whole->cells * sizeof *p->cell);
-    p->face = malloc((size_t)whole->faces * sizeof *p->face);
+    p->cell = malloc((size_t)whole->set.cells * sizeof *p->cell);
+    p->face = malloc((size_t)whole->set.faces * sizeof *p->face);
     p->bed = (struct bed){.eos = whole->eos,
                           .material = whole->material,
                           .comm = world,
                           .params = whole->params,
                           .dim = whole->dim,
                           .components = whole->components,
-                          .shapes = whole->shapes,
                           .limit = whole->limit};
-    ok(bed_make(&p->bed));
+    ok(bed_make(&p->bed, whole->set.blocks));
+    p->bed.home->shapes = whole->set.shapes;
     part_lists(p, x, way);
 }
 
@@ -141,60 +129,59 @@ static void part_free(struct part *p) {
     free(p->face);
 }
 
-static void give(struct part *p, const struct bed *whole) {
-    struct bed *b = &p->bed;
-    for (int v = 0; v < b->dim + 2; v++) {
+static void give(struct part *p, const struct bed_set *whole) {
+    struct bed_set *b = p->bed.home;
+    for (int v = 0; v < p->bed.dim + 2; v++) {
         for (int i = 0; i < b->cells; i++) b->U[v][i] = whole->U[v][p->cell[i]];
         for (int f = 0; f < b->faces; f++) {
             b->outside[v][f] = whole->outside[v][p->face[f]];
             b->kept[v][f] = whole->kept[v][p->face[f]];
         }
     }
-    for (int f = 0; f < b->faces; f++)
+    for (int f = 0; f < b->faces; f++) {
+        b->holds[f] = whole->holds[p->face[f]];
         for (int side = 0; side < 2; side++) b->balance[side][f] = whole->balance[side][p->face[f]];
+    }
 }
 
 static void assert_bits(double a, double b) {
     assert_memory_equal(&a, &b, sizeof a);
 }
 
-static void compare(struct part *p, struct bed *whole, double dt, const double gravity[MAX_DIM]) {
-    struct bed *b = &p->bed;
-    double mine[MAX_VAR], others[MAX_VAR];
-    long sum = b->lifted;
-    assert_int_equal(b->newton, whole->newton);
-    assert_int_equal(b->linear, whole->linear);
+static void compare(struct part *p, struct bed *one, double dt, const double gravity[MAX_DIM]) {
+    struct bed_set *b = p->bed.home, *whole = &one->set;
+    long sum = p->bed.lifted;
+    assert_int_equal(p->bed.newton, one->newton);
+    assert_int_equal(p->bed.linear, one->linear);
     comm_sum_long(world, &sum, 1);
-    assert_int_equal(sum, whole->lifted);
-    for (int v = 0; v < b->dim + 2; v++)
+    assert_int_equal(sum, one->lifted);
+    for (int v = 0; v < one->dim + 2; v++) {
         for (int i = 0; i < b->cells; i++) assert_bits(b->U[v][i], whole->U[v][p->cell[i]]);
-    for (int f = 0; f < b->faces; f++) {
-        if (b->kind[f] == BED_INNER || b->kind[f] == BED_KEPT) continue;
-        bed_face_flux(b, f, mine);
-        bed_face_flux(whole, p->face[f], others);
-        for (int v = 0; v < b->dim + 2; v++) assert_bits(mine[v], others[v]);
+        for (int f = 0; f < b->faces; f++)
+            if (b->kind[f] != BED_INNER) assert_bits(b->kept[v][f], whole->kept[v][p->face[f]]);
     }
-    bed_push(b, dt, gravity, 1);
-    bed_push(whole, dt, gravity, 1);
+    bed_push(&p->bed, dt, gravity, 1);
+    bed_push(one, dt, gravity, 1);
     for (int j = 0; j < b->blocks; j++) {
         const int of = (b->number[j] - 1) / 2;
         assert_bits(b->lift[j], whole->lift[of]);
         assert_bits(b->work[j], whole->work[of]);
         assert_bits(b->pushed[j], whole->pushed[of]);
+        assert_int_equal(b->peak_cell[j], whole->peak_cell[of]);
     }
 }
 
-/* No rank works on more than its share, but for a block: together with what home takes, a fifth of each cell. */
-static void assert_shared(const struct bed *b, const struct bed *whole) {
+/* No rank computes more than its share, but for a block: together with what home takes, a fifth of each cell. */
+static void assert_shared(const struct bed *b, const struct bed_set *whole) {
     const int ranks = comm_size(world), block = whole->first[1];
-    long worked = b->worked;
-    assert_true(ranks == 1 || worked <= 1.2 * whole->cells / ranks + block);
-    comm_sum_long(world, &worked, 1);
-    assert_int_equal(worked, whole->cells);
+    long cells = b->set.cells;
+    assert_true(ranks == 1 || cells <= 1.2 * whole->cells / ranks + block);
+    comm_sum_long(world, &cells, 1);
+    assert_int_equal(cells, whole->cells);
 }
 
 static void fill(struct box *x, unsigned *seed) {
-    for (int i = 0; i < x->bed.cells; i++)
+    for (int i = 0; i < x->bed.set.cells; i++)
         set(x, i, 0.58 + 0.05 * chance(seed), 1e-3 * (1 + chance(seed)), 0.02 * (chance(seed) - 0.5),
             0.02 * (chance(seed) - 0.5));
 }
@@ -215,13 +202,13 @@ static int steps_beside_one_rank(int nx, int ny, bool periodic, bool triangles, 
         const double dt = 2e-3 * (1 + step);
         bool done, alike;
         open_walls(&x, &seed);
-        give(&p, &x.bed);
+        give(&p, &x.bed.set);
         ok(bed_step(&p.bed, dt, gravity, &alike));
         ok(bed_step(&x.bed, dt, gravity, &done));
         assert_true(alike == done);
         if (!done) break;
         compare(&p, &x.bed, dt, gravity);
-        assert_shared(&p.bed, &x.bed);
+        assert_shared(&p.bed, &x.bed.set);
         made++;
     }
     part_free(&p);
@@ -256,7 +243,7 @@ static void test_another_set_is_dealt_anew(void **state) {
     for (int way = 1; way < 4; way++) {
         part_lists(&p, &x, way % 3);
         open_walls(&x, &seed);
-        give(&p, &x.bed);
+        give(&p, &x.bed.set);
         ok(bed_step(&p.bed, 2e-3, gravity, &done));
         ok(bed_step(&x.bed, 2e-3, gravity, &done));
         assert_true(done);
