@@ -50,18 +50,9 @@ static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
     }
 }
 
-/* The number of blocks of this rank, which sums go by. */
-static int blocks_of(const struct gas *g) {
-    return g->forest ? g->forest->nblocks : g->grid->nblocks;
-}
-
-static status sum_blocks(const struct gas *g, const double *per_block, double *sum) {
-    return g->forest ? forest_sum(g->forest, per_block, sum) : grid_sum(g->grid, per_block, sum);
-}
-
 /* Allocates what the gas itself notes for the budget. */
 static status make_notes(struct gas *g, struct audit *a) {
-    TRY(allocate(&a->through, (long)GAS_EDGES * g->components * blocks_of(g), sizeof(double), "the budget"));
+    TRY(allocate(&a->through, (long)GAS_EDGES * g->components * grid_blocks(g), sizeof(double), "the budget"));
     if (g->falling.dropped) TRY(allocate(&g->falling.denser, g->floors.places, sizeof(double), "the budget"));
     for (int k = 0; k < g->components && g->limits.least > 0; k++)
         TRY(allocate(&g->floors.given[k], g->floors.places, sizeof(double), "the budget"));
@@ -77,7 +68,7 @@ status gas_audit(struct gas *g) {
         TRY(make_notes(g, a));
     }
     *a = (struct audit){.failed = a->failed, .through = a->through};
-    memset(a->through, 0, (size_t)GAS_EDGES * (size_t)g->components * (size_t)blocks_of(g) * sizeof(double));
+    memset(a->through, 0, (size_t)GAS_EDGES * (size_t)g->components * (size_t)grid_blocks(g) * sizeof(double));
     find_causes(g, a->known);
     floors_of(g, a->floors);
     TRY(gas_totals(g, a->now.totals));
@@ -117,7 +108,7 @@ static void note_status(struct audit *a, status e) {
 static double look(struct gas *g, const struct state *now) {
     struct audit *a = g->audit;
     const double before = a->now.totals[g->components + 1];
-    note_status(a, g->engine->state.totals(g, now, a->now.totals));
+    note_status(a, state_totals(g, now, a->now.totals));
     return a->now.totals[g->components + 1] - before;
 }
 
@@ -158,7 +149,7 @@ static void beside_row(void *gas, const struct row *row) {
 /* Totals of W, which is given back the frozen cells of a bed: stages read them there, and do not write them. */
 static void totals_of_scratch(struct gas *g, const struct state *from, double totals[MAX_VAR]) {
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
-    note_status(g->audit, g->engine->state.totals(g, &g->W, totals));
+    note_status(g->audit, state_totals(g, &g->W, totals));
     if (g->step.hybrid) (void)dense_put(g, &g->W);
 }
 
@@ -198,9 +189,9 @@ void audit_rest(struct gas *g, double part) {
 void audit_dropped(struct gas *g, double part) {
     double sum = 0;
     if (!g->audit || !g->falling.cells) return;
-    note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
+    note_status(g->audit, sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, part * sum);
-    note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.denser, &sum));
+    note_status(g->audit, sum_raised(g, g->falling.denser, &sum));
     book_fall(g, part * sum);
 }
 
@@ -208,12 +199,12 @@ void audit_bed(struct gas *g) {
     double sum = 0;
     if (!g->audit || !g->falling.cells) return;
     g->engine->bed.spread(g, g->dense->bed.home->work, g->falling.dropped);
-    note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
+    note_status(g->audit, sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);
     for (int k = 0; k < g->components; k++) {
         bed_push(&g->dense->bed, g->step.dt, g->dense->kick, k);
         g->engine->bed.spread(g, g->dense->bed.home->pushed, g->falling.dropped);
-        note_status(g->audit, g->engine->stage.sum_raised(g, g->falling.dropped, &sum));
+        note_status(g->audit, sum_raised(g, g->falling.dropped, &sum));
         g->audit->now.pushed[source_gravity_row()][k] += sum;
     }
 }
@@ -282,7 +273,7 @@ void audit_sourced(struct gas *g, const struct state *now) {
 status audit_filled(struct gas *g) {
     double sum;
     for (int k = 0; k < g->components && g->audit && g->floors.given[k]; k++) {
-        TRY(g->engine->stage.sum_raised(g, g->floors.given[k], &sum));
+        TRY(sum_raised(g, g->floors.given[k], &sum));
         g->audit->given[k] += sum;
     }
     return OK;
@@ -306,8 +297,8 @@ status audit_keep(struct gas *g) {
     struct audit *a = g->audit;
     if (!a) return OK;
     a->start = a->now;
-    for (int b = 0; b < blocks_of(g); b++)
-        gas_tally_faces(g, b, leave_face, &(struct leaving){g, a->through + b, blocks_of(g)});
+    for (int b = 0; b < grid_blocks(g); b++)
+        gas_tally_faces(g, b, leave_face, &(struct leaving){g, a->through + b, grid_blocks(g)});
     const status e = a->failed;
     a->failed = OK;
     return e;
@@ -322,7 +313,7 @@ static status find_momentum(const struct gas *g, const double totals[MAX_VAR], s
         out->strayed[k] = a->first[k + 1] + a->given[k] - totals[k + 1];
         for (int i = 0; i < source_count; i++) out->strayed[k] += out->pushed[i][k] = a->start.pushed[i][k];
         for (int edge = 0; edge < GAS_EDGES; edge++) {
-            TRY(sum_blocks(g, a->through + (long)(edge * g->components + k) * blocks_of(g), &out->through[edge][k]));
+            TRY(sum_blocks(g, a->through + (long)(edge * g->components + k) * grid_blocks(g), &out->through[edge][k]));
             out->strayed[k] += out->through[edge][k] = -out->through[edge][k];
         }
     }

@@ -379,7 +379,7 @@ status dense_count(struct gas *g) {
     g->counts.now.bed_cells = count[1];
     if (count[0] == 0) return OK;
     g->engine->bed.spread(g, d->bed.home->lift, g->floors.raised);
-    TRY(g->engine->stage.sum_raised(g, g->floors.raised, &sum));
+    TRY(sum_raised(g, g->floors.raised, &sum));
     g->counts.now.lift += sum;
     return OK;
 }

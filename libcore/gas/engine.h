@@ -32,6 +32,13 @@ enum extent {
     VARIED_CELLS /* the cells in the spans as these are, without backgrounds */
 };
 
+struct block_cells { /* the cells of a block of the grid (mesh/grid/grid.h), in its order: the first axis is fastest */
+    int block;       /* of the state */
+    int n[3];        /* along the axes; on polyhedra all along the first one */
+    long first, step[3]; /* place of the first cell in a line, and from cell to cell: 0 between images of one cell */
+    const int *at;       /* [n[0]] the places on polyhedra; NULL on a lattice */
+};
+
 struct ending {                        /* the work that follows the last stage of a step */
     const struct source_plan *sources; /* the second half of the sources; NULL: there are none */
     struct gas_speed speed;            /* out: wave speeds of the final state in this rank's cells */
@@ -51,13 +58,8 @@ struct state_hooks {
      * failed. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
-    /* The state from and to arrays in polyMesh order, as gas_set_conserved and gas_get_variables. */
-    void (*set_conserved)(struct gas *g, const double *const U[MAX_VAR]);
-    status (*get_conserved)(const struct gas *g, int first, int n, double *const *out);
-    /* As gas_set_own_conserved, and gas_block_variables; set_limited sets the field GAS_LIMITED in the same order. */
-    void (*set_own)(struct gas *g, const double *const U[MAX_VAR]);
-    void (*block_variables)(const struct gas *g, int block, int first, int n, double *const *out);
-    void (*set_limited)(struct gas *g, const double *values);
+    /* Finds where the cells of a block of the grid are; those of s (NULL: of no state) are written out first. */
+    void (*cells)(const struct gas *g, int block, const struct state *s, struct block_cells *out);
     /* As gas_rest, under gravity. NULL: the engine balances pressure and weight by itself. */
     status (*rest)(struct gas *g, const bool *rests);
     /* Calls visit(context, row) for the rows of s, in the same order on every call. */
@@ -66,21 +68,20 @@ struct state_hooks {
     void (*keep_as)(const struct gas *g, const struct state *from, const struct state *to);
     /* Gives both states the joined spans of both. NULL: there are no spans. */
     void (*join)(const struct gas *g, const struct state *a, const struct state *b);
+    /* Makes the cells of backgrounds varied cells: of inadmissible ones, so that each cell is mended and counted by
+     * itself, or of all. NULL: there are no backgrounds. */
+    void (*unfold)(struct gas *g, const struct state *s, bool all);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
-    /* As gas_block_field, gas_block_uniform and gas_field. */
-    void (*block_field)(const struct gas *g, int block, enum gas_field field, double *const out[3]);
-    bool (*block_uniform)(const struct gas *g, int block, enum gas_field field, double value[3]); /* NULL: never */
-    status (*field)(const struct gas *g, enum gas_field field, double *const out[3]);
+    /* As gas_block_uniform, but for GAS_LIMITED. NULL: no block is known to be uniform. */
+    bool (*block_uniform)(const struct gas *g, int block, enum gas_field field, double value[3]);
     /* speed finds the wave speeds of this rank's cells; fastest_place the place of the cell that has speed->rate, as
      * gas_fastest_place. */
     void (*speed)(struct gas *g, struct gas_speed *speed);
     void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
-    /* Sets g->shear_rate to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or across; where
-     * g->shear_rate is not NULL. Collective. */
+    /* Sets g->shear_rate.now to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or across;
+     * where g->shear_rate.now is not NULL. Collective. */
     void (*shear_rate)(struct gas *g, const struct state *s);
-    /* Sums volume * variable v over the domain: totals[v]. */
-    status (*totals)(const struct gas *g, const struct state *s, double totals[MAX_VAR]);
 };
 
 struct stage_hooks {
@@ -102,11 +103,6 @@ struct stage_hooks {
      * (libcore/schemes/limit.h), and counts these faces in g->limits.faces. Flags the cells to be limited then. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
-    /* Makes the cells of an inadmissible background varied cells, so that each is mended and counted by itself. NULL:
-     * there are no backgrounds. */
-    void (*unfold_bad)(struct gas *g, const struct state *s);
-    /* Integrates g->floors.raised or g->floors.fill over the domain. */
-    status (*sum_raised)(const struct gas *g, double *raised, double *sum);
     /* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
     void (*note_limited)(struct gas *g, double place[3]);
     /* Keeps a copy of the field `limited`; back: gives the field the values of the copy. */

@@ -80,7 +80,7 @@ static void floor_row(void *flooring, const struct row *row) {
 
 long floors_apply(struct gas *g, const struct state *s) {
     struct flooring f = {.g = g, .s = s};
-    if (g->engine->stage.unfold_bad) g->engine->stage.unfold_bad(g, s);
+    if (g->engine->state.unfold) g->engine->state.unfold(g, s, false);
     g->engine->state.rows(g, VARIED_CELLS, s, floor_row, &f);
     return f.bad;
 }
@@ -91,7 +91,7 @@ static status count_fill(struct gas *g) {
     comm_sum_long(g->comm, &g->floors.filled, 1);
     if (!g->floors.filled) return OK;
     for (int v = 0; v < 2; v++) {
-        TRY(g->engine->stage.sum_raised(g, g->floors.fill[v], &sum));
+        TRY(sum_raised(g, g->floors.fill[v], &sum));
         g->counts.now.fill[v] += sum;
     }
     g->counts.now.filled += g->floors.filled;
@@ -103,7 +103,7 @@ status floors_count(struct gas *g) {
     TRY(count_fill(g));
     comm_sum_long(g->comm, &g->floors.floored, 1);
     if (!g->floors.floored) return OK;
-    TRY(g->engine->stage.sum_raised(g, g->floors.raised, &energy));
+    TRY(sum_raised(g, g->floors.raised, &energy));
     g->counts.now.floored += g->floors.floored;
     g->counts.now.energy += energy;
     return OK;

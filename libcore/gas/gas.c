@@ -18,7 +18,8 @@ static status make(const struct gas *like, struct gas **out) {
     for (int p = 0; p < g->patches.n; p++) g->patches.fed |= patch_feeds(&g->patches.rules[p]);
     if (g->models.alpha_floor > 0)
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
-    status s = g->engine->state.make(g);
+    status s = allocate(&g->volumes.sums, (long)g->nvar * grid_blocks(g), sizeof *g->volumes.sums, "blocks");
+    if (!s) s = g->engine->state.make(g);
     if (!s) s = shear_rate_make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
     if (!s) s = dense_make(g);
@@ -37,6 +38,8 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .dim = f->dim,
                           .components = models->components,
                           .counts = {.images = f->images},
+                          .size = f->size,
+                          .volumes = {.unit = f->volume},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -50,6 +53,8 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .dim = grid->dim,
                           .components = models->components,
                           .counts = {.images = 1},
+                          .size = grid->polyhedra->size,
+                          .volumes = {grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -63,6 +68,7 @@ void gas_free(struct gas *g) {
     g->engine->state.free(g);
     books_free(g);
     status_free(g->patches.failed);
+    free(g->volumes.sums);
     free(g);
 }
 
@@ -78,12 +84,12 @@ static void forget_state(struct gas *g) {
 }
 
 void gas_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
-    g->engine->state.set_conserved(g, U);
+    state_set(g, false, U);
     forget_state(g);
 }
 
 void gas_set_own_conserved(struct gas *g, const double *const U[MAX_VAR]) {
-    g->engine->state.set_own(g, U);
+    state_set(g, true, U);
     forget_state(g);
 }
 
@@ -96,7 +102,7 @@ void gas_resume(struct gas *g, const struct gas_counts *counts, const double *li
         g->dense->pause = counts->pause[0];
         g->dense->paused = counts->pause[1];
     }
-    if (limited) g->engine->state.set_limited(g, limited);
+    if (limited) limited_set(g, limited);
 }
 
 /* Sets the state of n cells by `set`, which takes conserved variables. */
@@ -133,26 +139,6 @@ status gas_rest(struct gas *g, const bool *rests) {
 
 status gas_get_conserved(const struct gas *g, double *const U[MAX_VAR]) {
     return gas_get_variables(g, 0, g->nvar, U);
-}
-
-status gas_get_variables(const struct gas *g, int first, int n, double *const *out) {
-    return g->engine->state.get_conserved(g, first, n, out);
-}
-
-void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
-    g->engine->state.block_variables(g, block, first, n, out);
-}
-
-void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
-    g->engine->state.block_field(g, block, field, out);
-}
-
-bool gas_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
-    return g->engine->state.block_uniform && g->engine->state.block_uniform(g, block, field, value);
-}
-
-status gas_field(const struct gas *g, enum gas_field field, double *const out[3]) {
-    return g->engine->state.field(g, field, out);
 }
 
 struct first_bad { /* the result of bad_row: the first cell that is not admissible */
@@ -232,10 +218,6 @@ void first_place_share(const struct gas *g, const struct first_place *p, double 
     comm_min(g->comm, &least, 1);
     for (int k = 0; k < 3; k++) place[k] = p->order == least ? p->place[k] : HUGE_VAL;
     comm_min(g->comm, place, 3);
-}
-
-status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
-    return g->engine->state.totals(g, &g->U, totals);
 }
 
 struct gas_counts gas_counts(const struct gas *g) {

@@ -82,6 +82,7 @@ struct limits { /* of admissible states, and the limiting of fluxes that keeps t
     bool crowds;        /* are crowded cells limited (find_crowded)? no, if the gas may collapse: it packs by itself */
     const struct reconstruct *first_order; /* of the fluxes that limiting moves towards */
     long faces;                            /* faces limited in the last redo, on this rank */
+    double **cells;                        /* [blocks][size] how often the faces of a cell were limited */
 };
 
 struct patches {
@@ -134,6 +135,18 @@ struct stepping {           /* the step in hand and those before it (libcore/ste
     bool held;               /* is a copy of the field `limited` kept, from before it? */
 };
 
+/* What laws ask for (libcore/gas/shear_rate.c); NULL if none does. */
+struct shear_rate {
+    double **now;  /* [blocks][size] 1/s, of the state that was seen last */
+    double **rise; /* [blocks][size] the factor by which it rose over the first half of diffusion */
+};
+
+struct volumes {        /* of the cells, and sums over them (libcore/gas/blocks.c) */
+    const double *each; /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
+    double unit;        /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
+    double *sums;       /* [nvar][blocks of the grid] scratch */
+};
+
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
@@ -151,15 +164,14 @@ struct gas {
     struct state U0;   /* after the first half of the sources: the start of the Runge-Kutta step */
     struct state V, W; /* results of stages, and scratch */
 
+    struct volumes volumes;
     struct patches patches;
     struct stepping step;
     struct limits limits;
     struct floors floors;
     struct falling falling;
     struct half_diffusion diffusion;
-    /* [blocks][size], NULL if no law asks for it (libcore/gas/shear_rate.c): 1/s, of the state that was seen last; and
-     * the factor by which it rose over the first half of diffusion */
-    double **shear_rate, **shear_rise;
+    struct shear_rate shear_rate;
 
     struct dense *dense; /* implicit acoustics; NULL: there are none */
     struct counting counts;
@@ -251,6 +263,19 @@ bool asked_to_leave(struct gas *g);
 /* Returns the error of a dt so short that t + dt is t, or all but t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
 
+/* ---- the blocks of the grid (libcore/gas/blocks.c) ---- */
+
+int grid_blocks(const struct gas *g); /* of this rank */
+/* Sums one number per block over all ranks, with the same bits for any number of ranks. Collective. */
+status sum_blocks(const struct gas *g, const double *per_block, double *sum);
+/* Sums volume * variable v of a state over the domain: totals[v]. Collective. */
+status state_totals(const struct gas *g, const struct state *s, double totals[MAX_VAR]);
+/* Sums volume * raised, which is [nraised], over the domain. Collective. */
+status sum_raised(const struct gas *g, double *raised, double *sum);
+/* Set U, or `limited`, from arrays of this rank's cells, block by block (own), or in polyMesh order. */
+void state_set(struct gas *g, bool own, const double *const U[MAX_VAR]);
+void limited_set(struct gas *g, const double *values);
+
 /* ---- rows of cells (libcore/gas/rows.c) ---- */
 
 /* Computes velocity and eps = E/rho - |u|^2/2 of n <= BATCH states whose variables are `size` apart. */
@@ -332,7 +357,7 @@ void diffusion_sees(struct gas *g, const struct state *s);
 void diffusion_looks_ahead(struct gas *g, const struct state *to);
 /* The line of the cells from `at` on; NULL if a law of these needs does not ask for it. */
 static inline const double *shear_rate_at(const struct gas *g, unsigned needs, int block, long at) {
-    return needs & NEEDS_SHEAR_RATE ? g->shear_rate[block] + at : NULL;
+    return needs & NEEDS_SHEAR_RATE ? g->shear_rate.now[block] + at : NULL;
 }
 /* Computes the shear rate of n <= BATCH cells; gradient: lines du_c/dx_k, at k components + c. */
 void shear_rate_row(const struct gas *g, int n, const double *const *gradient, double *out);

@@ -330,7 +330,7 @@ void source_row(void *half_step, const struct row *row) {
 
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to) {
     struct half_step h = {.g = g, .from = from, .to = to, .plan = plan};
-    if (sources_ask(g)) h.shear_rate = g->shear_rate;
+    if (sources_ask(g)) h.shear_rate = g->shear_rate.now;
     g->engine->state.rows(g, EACH_STATE, from, source_row, &h);
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, to);
     return h.bad;

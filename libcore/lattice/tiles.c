@@ -105,16 +105,14 @@ static status tiles_make(struct gas *g) {
                         g->forest->tile[i].n[0], BATCH - 1);
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
     TRY(allocate(&g->tiles, 1, sizeof *g->tiles, "the gas"));
-    g->size = g->forest->size;
     TRY(make_activity(g));
     for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
     TRY(blocks_make(g->forest, 1, &g->tiles->flag));
-    TRY(blocks_make(g->forest, 1, &g->tiles->limited));
+    TRY(blocks_make(g->forest, 1, &g->limits.cells));
     TRY(blocks_make(g->forest, 1, &g->tiles->held));
     g->floors.places = g->forest->ntiles;
     TRY(floors_make(g));
     TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
-    TRY(allocate(&g->tiles->sums, (long)g->nvar * g->forest->nblocks, sizeof(double), "blocks"));
     TRY(make_work(g));
     TRY(seams_make(g));
     TRY(fronts_make(g));
@@ -144,41 +142,24 @@ static void tiles_free(struct gas *g) {
     if (!x) return;
     tiles_diffuser_free(g);
     blocks_free(g->forest, x->flag);
-    blocks_free(g->forest, x->limited);
+    blocks_free(g->forest, g->limits.cells);
     blocks_free(g->forest, x->held);
     free_work(&x->work);
     seams_free(g);
     fronts_free(g);
     void *single[] = {
-        x->flagged,        x->sums, x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed,
-        x->activity.quiet, x};
+        x->flagged, x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed, x->activity.quiet,
+        x};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
 }
 
-static void tiles_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
-    for (int v = 0; v < g->nvar; v++) forest_scatter(g->forest, U[v], v, g->U.block);
-    activity_reset(g, &g->U);
-}
-
-static void tiles_set_own(struct gas *g, const double *const U[MAX_VAR]) {
-    for (int v = 0; v < g->nvar; v++) forest_spread(g->forest, U[v], v, g->U.block);
-    activity_reset(g, &g->U);
-}
-
-static void tiles_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
-    const int tile = g->forest->block[block].tile;
-    activity_store_all(g, tile, &g->U);
-    for (int i = 0; i < n; i++) forest_block_values(g->forest, block, g->U.block[tile], first + i, out[i]);
-}
-
-static void tiles_set_limited(struct gas *g, const double *values) {
-    forest_spread(g->forest, values, 0, g->tiles->limited);
-}
-
-static status tiles_get_conserved(const struct gas *g, int first, int n, double *const *out) {
-    for (int t = 0; t < g->forest->ntiles; t++) activity_store_all(g, t, &g->U);
-    for (int i = 0; i < n; i++) TRY(forest_gather(g->forest, (const double *const *)g->U.block, first + i, out[i]));
-    return OK;
+static void tiles_cells(const struct gas *g, int block, const struct state *s, struct block_cells *out) {
+    const struct forest *f = g->forest;
+    const struct forest_block *b = &f->block[block];
+    if (s) activity_store_all(g, b->tile, s);
+    *out = (struct block_cells){.block = b->tile, .first = f->first};
+    memcpy(out->n, b->n, sizeof out->n);
+    memcpy(out->step, f->step, sizeof out->step);
 }
 
 struct hand_over { /* hands runs of a tile's cells to a visitor of rows */
@@ -227,101 +208,14 @@ static void tiles_join(const struct gas *g, const struct state *a, const struct 
     }
 }
 
-struct reading { /* one field being read, run by run */
-    const struct gas *g;
-    const double *U;
-    double *out[3];
-    enum gas_field field;
-    long at;
-};
-
-static void field_visit(void *context, long offset, int n) {
-    struct reading *r = context;
-    double *out[3];
-    for (int k = 0; k < 3; k++) out[k] = r->out[k] ? r->out[k] + r->at : NULL;
-    field_row(r->g, r->field, n, r->g->size, r->U + offset, out);
-    r->at += n;
-}
-
-struct placing { /* consecutive values that come from the cells of a tile's block */
-    double *values, *block;
-};
-static void take_visit(void *context, long offset, int n) {
-    struct placing *p = context;
-    memcpy(p->values, p->block + offset, (size_t)n * sizeof(double));
-    p->values += n;
-}
-static void tile_field(const struct gas *g, int tile, enum gas_field field, double *const out[3]) {
-    int components = field == GAS_U ? g->components : 1;
-    const int *n = g->forest->tile[tile].n;
-    double background[3];
-    if (field == GAS_LIMITED) {
-        struct placing from = {.values = out[0], .block = g->tiles->limited[tile]};
-        runs_visit(g->forest, &g->forest->tile[tile], 0, take_visit, &from);
-        return;
-    }
-    struct reading r = {.g = g, .U = g->U.block[tile], .field = field}, one = r;
-    for (int c = 0; c < components; c++) {
-        r.out[c] = out[c];
-        one.out[c] = &background[c];
-    }
-    field_visit(&one, 0, 1);
-    for (int k = 0; k < n[2]; k++)
-        for (int j = 0; j < n[1]; j++) {
-            struct span varied = *activity_row(&g->tiles->activity, g->U.varied[tile], j, k);
-            long row = n[0] * (j + (long)n[1] * k);
-            for (int c = 0; c < components; c++)
-                for (int i = 0; i < n[0]; i++) out[c][row + i] = background[c];
-            r.at = row + varied.low;
-            span_visit(g, g->U.varied[tile], j, k, field_visit, &r);
-        }
-}
-
-/* Spreads a tile's values at the start of `values` over a block. Backwards, because no value moves down. */
-static void spread_over(const struct forest_block *b, const int n[3], double *values) {
-    double *to = values + (long)b->n[0] * b->n[1] * b->n[2];
-    for (int k = b->n[2] - 1; k >= 0; k--)
-        for (int j = b->n[1] - 1; j >= 0; j--) {
-            const double *row = values + n[0] * ((n[1] > 1 ? j : 0) + (long)n[1] * (n[2] > 1 ? k : 0));
-            for (int i = b->n[0] - 1; i >= 0; i--) *--to = row[n[0] > 1 ? i : 0];
-        }
-}
-
 /* The values of the background of a tile without varied cells. */
 static bool tiles_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
     const int tile = g->forest->block[block].tile, *n = g->forest->tile[tile].n;
-    if (field == GAS_LIMITED) return false;
     for (int k = 0; k < n[2] && !g->U.calm[tile]; k++)
         for (int j = 0; j < n[1]; j++)
             if (!span_empty(*activity_row(&g->tiles->activity, g->U.varied[tile], j, k))) return false;
     field_row(g, field, 1, g->size, g->U.block[tile], (double *[]){value, value + 1, value + 2});
     return true;
-}
-
-static void tiles_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
-    const struct forest_block *b = &g->forest->block[block];
-    tile_field(g, b->tile, field, out);
-    for (int c = 0; c < (field == GAS_U ? g->components : 1) && g->forest->images > 1; c++)
-        spread_over(b, g->forest->tile[b->tile].n, out[c]);
-}
-
-static status tiles_field(const struct gas *g, enum gas_field field, double *const out[3]) {
-    const struct forest *f = g->forest;
-    const int components = field == GAS_U ? g->components : 1;
-    long cells = 0;
-    double *values;
-    for (int b = 0; b < f->nblocks; b++) cells += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
-    TRY(comm_agree(f->comm, allocate(&values, cells * components, sizeof(double), "a field")));
-    double *at[3] = {values, values + cells, values + 2 * cells};
-    for (int b = 0; b < f->nblocks; b++) {
-        tiles_block_field(g, b, field, at);
-        for (int c = 0; c < components; c++) at[c] += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
-    }
-    status s = OK;
-    for (int c = 0; c < components && !s; c++)
-        s = forest_gather_values(f, values + c * cells, comm_root(f->comm) ? out[c] : NULL);
-    free(values);
-    return s;
 }
 
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {
@@ -417,64 +311,24 @@ static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, do
     first_place_share(g, &first, place);
 }
 
-/* Sums the variables of a tile's block U over a block of the forest: all at once, in registers, as each addition waits
- * for the one before. Cells that have their values in common are added one by one, so that uniform axes change no bit.
- * Sums beyond the variables of the gas repeat the first. */
-static void sum_block(const struct gas *g, const struct forest_block *b, const double *U, double out[MAX_VAR]) {
-    const struct forest *f = g->forest;
-    const double *line[MAX_VAR];
-    double sum[MAX_VAR] = {0};
-    for (int v = 0; v < MAX_VAR; v++) line[v] = U + (v < g->nvar ? v : 0) * f->size + f->first;
-    for (int k = 0; k < b->n[2]; k++)
-        for (int j = 0; j < b->n[1]; j++)
-            for (int i = 0; i < b->n[0]; i++) {
-                const long at = i * f->step[0] + j * f->step[1] + k * f->step[2];
-                for (int v = 0; v < MAX_VAR; v++) sum[v] += line[v][at];
-            }
-    memcpy(out, sum, sizeof sum);
-}
-
-static status tiles_totals(const struct gas *g, const struct state *state, double totals[MAX_VAR]) {
-    const struct forest *f = g->forest;
-    double sum[MAX_VAR];
-    for (int t = 0; t < f->ntiles; t++) activity_store_all(g, t, state);
-    for (int b = 0; b < f->nblocks; b++) {
-        sum_block(g, &f->block[b], state->block[f->block[b].tile], sum);
-        for (int v = 0; v < g->nvar; v++) g->tiles->sums[v * f->nblocks + b] = sum[v];
-    }
-    for (int v = 0; v < g->nvar; v++) {
-        TRY(forest_sum(f, g->tiles->sums + v * f->nblocks, &totals[v]));
-        totals[v] *= f->volume;
-    }
-    return OK;
-}
-
 const struct engine engine_lattice = {
     .state = {.make = tiles_make,
               .free = tiles_free,
-              .set_conserved = tiles_set_conserved,
-              .get_conserved = tiles_get_conserved,
-              .set_own = tiles_set_own,
-              .block_variables = tiles_block_variables,
-              .set_limited = tiles_set_limited,
+              .cells = tiles_cells,
               .rows = tiles_rows,
               .keep_as = tiles_keep_as,
               .join = tiles_join,
+              .unfold = tiles_unfold,
               .place = tiles_place,
-              .block_field = tiles_block_field,
               .block_uniform = tiles_block_uniform,
-              .field = tiles_field,
               .speed = tiles_speed,
               .fastest_place = tiles_fastest_place,
-              .shear_rate = tiles_shear_rate,
-              .totals = tiles_totals},
+              .shear_rate = tiles_shear_rate},
     .stage = {.fronts = tiles_fronts,
               .stage = tiles_stage,
               .last_stage = tiles_last_stage,
               .share_flags = tiles_share_flags,
               .redo = tiles_redo,
-              .unfold_bad = tiles_unfold_bad,
-              .sum_raised = tiles_sum_raised,
               .note_limited = tiles_note_limited,
               .hold_limited = tiles_hold_limited,
               .clear_flags = tiles_clear_flags},

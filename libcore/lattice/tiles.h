@@ -71,11 +71,9 @@ struct seam {        /* one side of the tile in hand */
 
 /* Memory that the engine of the lattice owns: g->tiles. */
 struct tiles {
-    double **flag;    /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
-    double **limited; /* [ntiles] of [size]: how often that was so */
-    double **held;    /* as limited, before the step in hand */
-    bool *flagged;    /* [ntiles] does the tile, or its ghost layer, hold a flag? */
-    double *sums;     /* [nvar][nblocks] */
+    double **flag; /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
+    double **held; /* as g->limits.cells, before the step in hand */
+    bool *flagged; /* [ntiles] does the tile, or its ghost layer, hold a flag? */
     struct work work;
     struct activity activity;
     struct seams seams;
@@ -91,11 +89,10 @@ long tiles_last_stage(struct gas *g, const struct state *U0, const struct state 
 long tiles_share_flags(struct gas *g);
 void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
-status tiles_sum_raised(const struct gas *g, double *raised, double *sum);
 void tiles_note_limited(struct gas *g, double place[3]);
 void tiles_hold_limited(struct gas *g, bool back);
 void tiles_clear_flags(struct gas *g);
-void tiles_unfold_bad(struct gas *g, const struct state *s);
+void tiles_unfold(struct gas *g, const struct state *s, bool all);
 
 void tiles_shear_rate(struct gas *g, const struct state *s); /* libcore/lattice/tiles_shear_rate.c */
 

@@ -41,7 +41,7 @@ static void note_visit(void *context, long offset, int n) {
     for (int i = 0; i < n; i++) {
         double here[3];
         if (flag[offset + i] == 0) continue;
-        c->g->tiles->limited[c->tile][offset + i] += 1;
+        c->g->limits.cells[c->tile][offset + i] += 1;
         tiles_place(c->g, c->tile, offset + i, here);
         first_place_offer(&c->first, here);
     }
@@ -55,7 +55,7 @@ void tiles_note_limited(struct gas *g, double place[3]) {
 }
 
 void tiles_hold_limited(struct gas *g, bool back) {
-    double **limited = g->tiles->limited, **held = g->tiles->held;
+    double **limited = g->limits.cells, **held = g->tiles->held;
     for (int t = 0; t < g->forest->ntiles; t++)
         memcpy((back ? limited : held)[t], (back ? held : limited)[t], (size_t)g->forest->size * sizeof(double));
 }
@@ -78,22 +78,9 @@ void tiles_redo(struct gas *g, const struct state *U0, const struct state *from,
         }
 }
 
-void tiles_unfold_bad(struct gas *g, const struct state *s) {
+void tiles_unfold(struct gas *g, const struct state *s, bool all) {
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (row_inadmissible(g, s->block[t], 0, 1, NULL)) activity_unfold(g, t, s);
-}
-
-status tiles_sum_raised(const struct gas *g, double *raised, double *sum) {
-    const struct forest *f = g->forest;
-    for (int b = 0; b < f->nblocks; b++) {
-        const struct forest_block *block = &f->block[b];
-        const int *n = f->tile[block->tile].n;
-        const long cells = (long)block->n[0] * block->n[1] * block->n[2], computed = (long)n[0] * n[1] * n[2];
-        g->tiles->sums[b] = raised[block->tile] * (double)(cells / computed);
-    }
-    TRY(forest_sum(f, g->tiles->sums, sum));
-    *sum *= f->volume;
-    return OK;
+        if (all || row_inadmissible(g, s->block[t], 0, 1, NULL)) activity_unfold(g, t, s);
 }
 
 struct closing { /* the second half of the sources and the wave speeds of a row at once */

@@ -24,8 +24,8 @@ static status make_lines(struct gas *g) {
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
     g->floors.places = m->nown;
     g->floors.step = 1;
-    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->limited, &c->held};
-    for (int i = 0; i < 5; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
+    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->held};
+    for (int i = 0; i < 4; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     TRY(floors_make(g));
     if (source_falls(&g->models.source, g->components)) {
         TRY(allocate(&g->falling.cells, 1, sizeof(double *), "cells"));
@@ -34,9 +34,8 @@ static status make_lines(struct gas *g) {
         TRY(allocate(&g->falling.blocks, 1, sizeof(bool), "cells"));
     }
     TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
-    TRY(allocate(&c->sums, m->nblocks, sizeof(double), "blocks"));
-    TRY(allocate(&c->by_block, m->nblocks, sizeof(double *), "blocks"));
-    for (int b = 0; b < m->nblocks; b++) c->by_block[b] = c->line + m->block_start[b];
+    TRY(allocate(&g->limits.cells, 1, sizeof(double *), "cells"));
+    TRY(allocate(&g->limits.cells[0], m->size, sizeof(double), "cells"));
     return OK;
 }
 
@@ -78,7 +77,6 @@ static status cells_make(struct gas *g) {
     TRY(allocate(&c, 1, sizeof *c, "the gas"));
     g->cells = c;
     c->polyhedra = g->grid->polyhedra;
-    g->size = c->polyhedra->size;
     for (int f = 0; f < c->polyhedra->face.n; f++)
         if (c->polyhedra->face.point_start[f + 1] - c->polyhedra->face.point_start[f] > BATCH)
             return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
@@ -103,8 +101,8 @@ static void cells_free(struct gas *g) {
         free(states[i]->block);
     }
     floors_free(g);
-    double **lines[] = {g->diffusion.friction, g->diffusion.cooled, g->falling.cells};
-    for (int i = 0; i < 3; i++) {
+    double **lines[] = {g->diffusion.friction, g->diffusion.cooled, g->falling.cells, g->limits.cells};
+    for (int i = 0; i < 4; i++) {
         if (lines[i]) free(lines[i][0]);
         free(lines[i]);
     }
@@ -126,55 +124,16 @@ static void cells_free(struct gas *g) {
     free(c->total_girth);
     free(c->line);
     free(c->flag);
-    free(c->limited);
     free(c->held);
-    free(c->sums);
-    free(c->by_block);
     free(c);
 }
 
-static void cells_set_conserved(struct gas *g, const double *const U[MAX_VAR]) {
+static void cells_of_block(const struct gas *g, int block, const struct state *s, struct block_cells *out) {
     const struct polyhedra *m = g->cells->polyhedra;
-    double *line[MAX_VAR];
-    cells_lines(g, &g->U, line);
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < m->nown; i++) line[v][i] = U[v][m->cell[i]];
-}
-
-static void cells_set_own(struct gas *g, const double *const U[MAX_VAR]) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double *line[MAX_VAR];
-    cells_lines(g, &g->U, line);
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < m->nown; i++) line[v][m->block_cell[i]] = U[v][i];
-}
-
-static void cells_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    const int start = m->block_start[block], end = m->block_start[block + 1];
-    double *line[MAX_VAR];
-    cells_lines(g, &g->U, line);
-    for (int v = 0; v < n; v++)
-        for (int i = start; i < end; i++) out[v][i - start] = line[first + v][m->block_cell[i]];
-}
-
-static void cells_set_limited(struct gas *g, const double *values) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    for (int i = 0; i < m->nown; i++) g->cells->limited[m->block_cell[i]] = values[i];
-}
-
-/* Gathers a value per cell of this rank into the root's array of all cells, in polyMesh order. */
-static status gather(const struct gas *g, const double *value, double *all) {
-    const struct cells *c = g->cells;
-    for (int i = 0; i < c->polyhedra->nown; i++) c->line[i] = value[c->polyhedra->block_cell[i]];
-    return grid_gather(g->grid, (const double *const *)c->by_block, all);
-}
-
-static status cells_get_conserved(const struct gas *g, int first, int n, double *const *out) {
-    double *line[MAX_VAR];
-    cells_lines(g, &g->U, line);
-    for (int i = 0; i < n; i++) TRY(gather(g, line[first + i], comm_root(g->comm) ? out[i] : NULL));
-    return OK;
+    const int start = m->block_start[block];
+    (void)s;
+    *out = (struct block_cells){
+        .n = {m->block_start[block + 1] - start, 1, 1}, .step = {1, 1, 1}, .at = m->block_cell + start};
 }
 
 static void cells_rows(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit,
@@ -189,44 +148,6 @@ static void cells_rows(const struct gas *g, enum extent extent, const struct sta
 static void cells_place(const struct gas *g, int block, long at, double place[3]) {
     (void)block;
     memcpy(place, g->cells->polyhedra->middle[at], 3 * sizeof *place);
-}
-
-static void cells_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double *line[MAX_VAR], U[MAX_VAR][BATCH] = {{0}};
-    cells_lines(g, &g->U, line);
-    int start = m->block_start[block], end = m->block_start[block + 1];
-    for (int i = start; field == GAS_LIMITED && i < end; i++) out[0][i - start] = g->cells->limited[m->block_cell[i]];
-    if (field == GAS_LIMITED) return;
-    for (int from = start; from < end; from += BATCH) {
-        int n = end - from < BATCH ? end - from : BATCH;
-        for (int v = 0; v < g->nvar; v++)
-            for (int i = 0; i < n; i++) U[v][i] = line[v][m->block_cell[from + i]];
-        double *at[3] = {out[0] + (from - start), NULL, NULL};
-        for (int k = 1; k < 3 && field == GAS_U && k < g->components; k++) at[k] = out[k] + (from - start);
-        field_row(g, field, n, BATCH, U[0], at);
-    }
-}
-
-static status cells_field(const struct gas *g, enum gas_field field, double *const out[3]) {
-    const struct cells *c = g->cells;
-    const struct polyhedra *m = c->polyhedra;
-    int components = field == GAS_U ? g->components : 1;
-    double *values[3] = {NULL, NULL, NULL};
-    status s = OK;
-    for (int k = 0; k < components && !s; k++) s = allocate(&values[k], m->nown, sizeof(double), "a field");
-    s = comm_agree(g->comm, s);
-    for (int b = 0; b < m->nblocks && !s; b++) {
-        double *at[3] = {NULL, NULL, NULL};
-        for (int k = 0; k < components; k++) at[k] = values[k] + m->block_start[b];
-        cells_block_field(g, b, field, at);
-    }
-    for (int k = 0; k < components && !s; k++) {
-        memcpy(c->line, values[k], (size_t)m->nown * sizeof(double));
-        s = grid_gather(g->grid, (const double *const *)c->by_block, comm_root(g->comm) ? out[k] : NULL);
-    }
-    for (int k = 0; k < 3; k++) free(values[k]);
-    return s;
 }
 
 void cells_primitives(const struct gas *g, int n, const double *U, struct cells_primitives *q) {
@@ -299,44 +220,20 @@ static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, do
     polyhedra_place(m, isfinite(cell) ? (long)cell : -1, place);
 }
 
-/* total <- the integral of a line over the domain */
-static status integrate(const struct gas *g, const double *line, double *total) {
-    const struct cells *c = g->cells;
-    const struct polyhedra *m = c->polyhedra;
-    for (int b = 0; b < m->nblocks; b++) {
-        c->sums[b] = 0;
-        for (int i = m->block_start[b]; i < m->block_start[b + 1]; i++)
-            c->sums[b] += m->volume[m->block_cell[i]] * line[m->block_cell[i]];
-    }
-    TRY(grid_sum(g->grid, c->sums, total));
-    *total *= m->thickness;
-    return OK;
-}
-
-static status cells_totals(const struct gas *g, const struct state *s, double totals[MAX_VAR]) {
-    double *line[MAX_VAR];
-    cells_lines(g, s, line);
-    for (int v = 0; v < g->nvar; v++) TRY(integrate(g, line[v], &totals[v]));
-    return OK;
-}
-
-static status cells_sum_raised(const struct gas *g, double *raised, double *sum) {
-    return integrate(g, raised, sum);
-}
-
 static status cells_tally_rest(const struct gas *g, double force[MAX_DIM]) {
     for (int k = 0; k < MAX_DIM; k++) {
         force[k] = 0;
         if (k >= g->dim || !g->cells->rest) continue;
         cells_rest_added(g, k, g->cells->line);
-        TRY(integrate(g, g->cells->line, &force[k]));
+        TRY(sum_raised(g, g->cells->line, &force[k]));
     }
     return OK;
 }
 
 static void cells_hold_limited(struct gas *g, bool back) {
     struct cells *c = g->cells;
-    memcpy(back ? c->limited : c->held, back ? c->held : c->limited, (size_t)c->polyhedra->nown * sizeof(double));
+    memcpy(back ? g->limits.cells[0] : c->held, back ? c->held : g->limits.cells[0],
+           (size_t)c->polyhedra->nown * sizeof(double));
 }
 
 static void cells_note_limited(struct gas *g, double place[3]) {
@@ -344,7 +241,7 @@ static void cells_note_limited(struct gas *g, double place[3]) {
     struct first_place first = {.order = HUGE_VAL};
     for (int i = 0; i < c->polyhedra->nown; i++) {
         if (c->flag[i] == 0) continue;
-        c->limited[i] += 1;
+        g->limits.cells[0][i] += 1;
         double here[3] = {0, 0, 0};
         for (int k = 0; k < g->dim; k++) here[c->polyhedra->axis[k]] = c->polyhedra->centre[k][i];
         first_place_offer(&first, here);
@@ -355,25 +252,17 @@ static void cells_note_limited(struct gas *g, double place[3]) {
 const struct engine engine_polyhedral = {
     .state = {.make = cells_make,
               .free = cells_free,
-              .set_conserved = cells_set_conserved,
+              .cells = cells_of_block,
               .rest = cells_rest,
-              .get_conserved = cells_get_conserved,
-              .set_own = cells_set_own,
-              .block_variables = cells_block_variables,
-              .set_limited = cells_set_limited,
               .rows = cells_rows,
               .place = cells_place,
-              .block_field = cells_block_field,
-              .field = cells_field,
               .speed = cells_speed,
               .fastest_place = cells_fastest_place,
-              .shear_rate = cells_shear_rate,
-              .totals = cells_totals},
+              .shear_rate = cells_shear_rate},
     .stage = {.fronts = cells_fronts,
               .stage = cells_stage,
               .share_flags = cells_share_flags,
               .redo = cells_redo,
-              .sum_raised = cells_sum_raised,
               .note_limited = cells_note_limited,
               .hold_limited = cells_hold_limited,
               .clear_flags = cells_clear_flags},

@@ -40,12 +40,9 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double *total_girth;    /* [nown] sum over the faces of A / (2 V), 1/m */
     double *flux[MAX_VAR];  /* [faces + 1] through the whole face, from left to right, in the axes of the polyhedra */
     double *flag;           /* [size] > 0 where faces are to be limited */
-    double *limited;        /* [nown] how often the cell was flagged */
-    double *held;           /* [nown] as limited, before the step in hand */
+    double *held;           /* [nown] as g->limits.cells, before the step in hand */
     bool flagged;           /* is any flag up on any rank? */
-    double *sums;           /* [nblocks] scratch of sums over blocks */
-    double *line;           /* [nown] scratch: values block by block */
-    double **by_block;      /* [nblocks] into `line` */
+    double *line;           /* [nown] scratch */
     struct cells_diffuser *diffuser;     /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
     struct cells_weight *weight;         /* libcore/polyhedral/cells_weight.c; NULL: there is no gravity */
     struct cells_rest *rest;             /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */

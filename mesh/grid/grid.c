@@ -171,18 +171,11 @@ const int *grid_cells(const struct grid *g, long *n) {
     return g->nblocks ? g->block[0].cell : NULL;
 }
 
-status grid_gather(const struct grid *g, const double *const *values, double *all) {
+status grid_gather(const struct grid *g, const double *values, double *all) {
     const struct share s = share_make(g->comm, g->ncells_all);
-    double *mine = NULL;
     long n;
     const int *cell = grid_cells(g, &n);
-    TRY(comm_agree(g->comm, allocate(&mine, n, sizeof *mine, "the cells of this rank")));
-    double *next = mine;
-    for (int b = 0; b < g->nblocks; next += g->block[b++].ncells)
-        memcpy(next, values[b], (size_t)g->block[b].ncells * sizeof *mine);
-    const status e = share_gather(&s, 1, n, cell, mine, all);
-    free(mine);
-    return e;
+    return share_gather(&s, 1, n, cell, values, all);
 }
 
 status grid_sum(const struct grid *g, const double *per_block, double *sum) {

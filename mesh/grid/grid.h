@@ -45,9 +45,9 @@ void grid_centre(const struct grid *g, int block, int i, double x[3]);
 /* Returns the cells of all blocks of this rank, one block after the other, and how many they are. */
 const int *grid_cells(const struct grid *g, long *n);
 
-/* Gathers values[block][cell of the block] in the root's all[ncells_all], in polyMesh order; all is NULL on the other
- * ranks. Collective. */
-status grid_gather(const struct grid *g, const double *const *values, double *all);
+/* Gathers values of this rank's cells, one block after the other, in the root's all[ncells_all], in polyMesh order; all
+ * is NULL on the other ranks. Collective. */
+status grid_gather(const struct grid *g, const double *values, double *all);
 
 /* Sums one number per block over all ranks in the order of the blocks' ids: *sum has the same bits for any number of
  * ranks. Collective. */

@@ -82,17 +82,9 @@ void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *d
 void forest_fill_derivatives(struct forest *f, double *const *data);
 void forest_fill_int(struct forest *f, int *const *data); /* one layer of one variable of ints */
 
-/* Move a variable between the tiles and the order of the polyMesh. forest_gather copies every block's cells to the
- * root's all[ncells_all] (NULL on the other ranks); collective. forest_scatter copies from an array [ncells_all] that
- * every rank holds; local. */
-status forest_gather(const struct forest *f, const double *const *data, int variable, double *all);
-/* As forest_gather, from the values of this rank's blocks, one block after the other in the order of their cells. */
-status forest_gather_values(const struct forest *f, const double *values, double *all);
-void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data);
-/* As forest_scatter, from the values of this rank's cells, one block after the other. */
-void forest_spread(const struct forest *f, const double *values, int variable, double *const *data);
-/* Copies a variable of the tile of a block, whose memory is given, to values[cells of the block]. */
-void forest_block_values(const struct forest *f, int block, const double *tile, int variable, double *values);
+/* Gathers values of this rank's cells, one block after the other in the order of their cells, in the root's
+ * all[ncells_all], in polyMesh order; all is NULL on the other ranks. Collective. */
+status forest_gather(const struct forest *f, const double *values, double *all);
 
 /* Sums one number per block over all ranks in the order of the blocks' ids: *sum has the same bits for any number of
  * ranks. Collective. */

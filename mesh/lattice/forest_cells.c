@@ -1,62 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values by cell on a forest (the lattice cut into tiles, forest.h): moved to and from the order of the polyMesh,
- * summed, found by place. */
+/* Values by cell on a forest (the lattice cut into tiles, forest.h): gathered in the order of the polyMesh, summed,
+ * found by place. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "mesh/base/share.h"
 #include "mesh/lattice/forest_private.h"
 
-/* Returns where a row of a block's cells starts in a variable of its tile. */
-static long row_offset(const struct forest *f, int j, int k) {
-    return f->first + j * f->step[1] + k * f->step[2];
-}
-
-status forest_gather_values(const struct forest *f, const double *values, double *all) {
+status forest_gather(const struct forest *f, const double *values, double *all) {
     const struct share s = share_make(f->comm, f->ncells_all);
     return share_gather(&s, 1, f->hidden->ncells, f->hidden->cell, values, all);
-}
-
-void forest_block_values(const struct forest *f, int block, const double *tile, int variable, double *values) {
-    const int *n = f->block[block].n;
-    const double *from = tile + variable * f->size;
-    for (int k = 0; k < n[2]; k++)
-        for (int j = 0; j < n[1]; j++)
-            for (int i = 0; i < n[0]; i++) *values++ = from[row_offset(f, j, k) + i * f->step[0]];
-}
-
-status forest_gather(const struct forest *f, const double *const *data, int variable, double *all) {
-    double *mine = NULL, *next;
-    TRY(comm_agree(f->comm, allocate(&mine, f->hidden->ncells, sizeof *mine, "the cells of this rank")));
-    next = mine;
-    for (int b = 0; b < f->nblocks; b++) {
-        forest_block_values(f, b, data[f->block[b].tile], variable, next);
-        next += (long)f->block[b].n[0] * f->block[b].n[1] * f->block[b].n[2];
-    }
-    status s = forest_gather_values(f, mine, all);
-    free(mine);
-    return s;
-}
-
-/* Copies to the tiles from an array of this rank's cells, block by block, or from one of all cells by their numbers. */
-static void put_values(const struct forest *f, const double *from, bool own, int variable, double *const *data) {
-    long next = 0;
-    for (int b = 0; b < f->nblocks; b++) {
-        const int *n = f->block[b].n, *cell = f->block[b].cell;
-        double *values = data[f->block[b].tile] + variable * f->size;
-        for (int k = 0; k < n[2]; k++)
-            for (int j = 0; j < n[1]; j++)
-                for (int i = 0; i < n[0]; i++, cell++, next++)
-                    values[row_offset(f, j, k) + i * f->step[0]] = from[own ? next : *cell];
-    }
-}
-
-void forest_scatter(const struct forest *f, const double *all, int variable, double *const *data) {
-    put_values(f, all, false, variable, data);
-}
-
-void forest_spread(const struct forest *f, const double *values, int variable, double *const *data) {
-    put_values(f, values, true, variable, data);
 }
 
 status forest_sum(const struct forest *f, const double *per_block, double *sum) {

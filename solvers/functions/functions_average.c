@@ -224,7 +224,7 @@ static status gather_item(const struct function *f, const struct item *it) {
     struct average *a = f->own;
     const struct grid *grid = f->setup->grid;
     for (int l = 0; l < it->nlines; l++)
-        TRY(means_gather(&a->cells, f, it->line[l], a->all ? a->all + (long)l * grid->ncells_all : NULL));
+        TRY(grid_gather(grid, it->line[l], a->all ? a->all + (long)l * grid->ncells_all : NULL));
     return OK;
 }
 

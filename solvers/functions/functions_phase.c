@@ -101,7 +101,7 @@ static void evaluate(const struct function *f, double *restrict out) {
  * Collective. */
 static status add_line(const struct function *f, const double *line, int c, int m, double *sum) {
     const struct phases *p = f->own;
-    TRY(means_gather(&p->cells, f, line, sum ? p->values : NULL));
+    TRY(grid_gather(f->setup->grid, line, sum ? p->values : NULL));
     for (long i = 0; sum && i < p->ncells; i++) sum[m * i + c] += p->values[i];
     return OK;
 }

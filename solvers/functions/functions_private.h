@@ -81,14 +81,11 @@ status function_open(const struct function *f, const char *folder, const char *f
  * no density); is a quantity weighted by it? */
 int means_density(const struct function *f);
 bool means_per_mass(const struct function *f, int field);
-struct means_cells {         /* the cells of this rank, of which averages keep lines, block after block */
-    long n, largest;         /* largest: cells of the largest block, at least 1 */
-    long *first;             /* [blocks] the block's first cell among them */
-    const double **by_block; /* [blocks] for gathers */
+struct means_cells { /* the cells of this rank, of which averages keep lines, block after block */
+    long n, largest; /* largest: cells of the largest block, at least 1 */
+    long *first;     /* [blocks] the block's first cell among them */
 };
 status means_cells_make(const struct function *f, struct means_cells *out);
-/* Gathers a line on the root, as grid_gather does. Collective. */
-status means_gather(const struct means_cells *c, const struct function *f, const double *line, double *all);
 /* Sets `file` to uniform/<type>.<function>, the file of the sums in a time folder. */
 status means_file(const struct function *f, struct dict *d, char file[128]);
 /* Opens that file in the folder that w writes, with its header; numbers have all digits: *exact. On the root. */

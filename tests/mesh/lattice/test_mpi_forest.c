@@ -400,33 +400,27 @@ static void rows_fill_vectors(void **state) {
     end(&x);
 }
 
-static void gather_undoes_scatter(void **state) {
+static void values_arrive_at_their_cells(void **state) {
     (void)state;
     for (int s = 0; s < SCENES; s++) {
         struct fixture x;
-        begin(&x, &scenes[s], 2);
-        size_t n = (size_t)x.m.ncells;
-        double *all = malloc(n * sizeof *all), *back = calloc(n, sizeof *back),
-               *target = comm_root(world) ? back : NULL;
-        for (int i[3] = {0}; i[2] < x.l.n[2]; i[2]++)
+        begin(&x, &scenes[s], 1);
+        const size_t n = (size_t)x.m.ncells;
+        double *mine = calloc(n, sizeof *mine), *next = mine, *all = calloc(n, sizeof *all);
+        for (int b = 0; b < x.f->nblocks; b++) {
+            const struct forest_block *here = &x.f->block[b];
+            for (int k = 0; k < here->n[2]; k++)
+                for (int j = 0; j < here->n[1]; j++)
+                    for (int i = 0; i < here->n[0]; i++)
+                        *next++ = value(&x, (int[3]){here->low[0] + i, here->low[1] + j, here->low[2] + k}, 0);
+        }
+        assert_null(forest_gather(x.f, mine, comm_root(world) ? all : NULL));
+        for (int i[3] = {0}; comm_root(world) && i[2] < x.l.n[2]; i[2]++)
             for (i[1] = 0; i[1] < x.l.n[1]; i[1]++)
                 for (i[0] = 0; i[0] < x.l.n[0]; i[0]++)
-                    if (is_solid(x.scene, i))
-                        all[x.l.cell[index_of(x.l.n, i)]] = sqrt((double)computed(x.scene, i) + 1);
-        forest_scatter(x.f, all, 1, x.data);
-        assert_null(forest_gather(x.f, (const double *const *)x.data, 1, target));
-        if (target) assert_memory_equal(all, back, n * sizeof *all);
-        for (int t = 0; t < x.f->ntiles; t++)
-            for (long i = 0; i < x.f->size; i++) assert_true(x.data[t][i] == absent);
-        set_cells(&x); /* by place on the lattice: ties the order to the cells, not only to its own inverse */
-        assert_null(forest_gather(x.f, (const double *const *)x.data, 1, target));
-        for (int i[3] = {0}; target && i[2] < x.l.n[2]; i[2]++)
-            for (i[1] = 0; i[1] < x.l.n[1]; i[1]++)
-                for (i[0] = 0; i[0] < x.l.n[0]; i[0]++)
-                    if (is_solid(x.scene, i))
-                        assert_true(back[x.l.cell[index_of(x.l.n, i)]] == 1000000.5 + (double)computed(x.scene, i));
+                    if (is_solid(x.scene, i)) assert_true(all[x.l.cell[index_of(x.l.n, i)]] == value(&x, i, 0));
+        free(mine);
         free(all);
-        free(back);
         end(&x);
     }
 }
@@ -575,7 +569,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(only_remote_tiles_wait_for_finish),
         cmocka_unit_test(tiles_cover_the_lattice),
         cmocka_unit_test(rows_fill_vectors),
-        cmocka_unit_test(gather_undoes_scatter),
+        cmocka_unit_test(values_arrive_at_their_cells),
         cmocka_unit_test(sums_have_the_same_bits_on_any_number_of_ranks),
         cmocka_unit_test(points_are_found_by_one_rank),
         cmocka_unit_test(one_rank_of_many_is_set_up_alone),

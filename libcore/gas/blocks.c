@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The gas by the blocks of the grid, which do not depend on the number of ranks: sets and gets the state, gets fields,
+ * sums over the domain. The engine says where the cells of a block are (state_hooks.cells). */
+#include "libcore/gas/gas_private.h"
+
+#include <stdlib.h>
+
+struct batch { /* n <= BATCH cells of a block of the grid, from its cell `from` on */
+    int block; /* of the state */
+    int from, n;
+    long at[BATCH]; /* places in the lines of the state's block */
+};
+typedef void batch_visitor(void *context, const struct batch *batch);
+
+/* Visits the cells of a block of the grid in its order; those of s (NULL: of no state) are written out first. */
+static void visit_block(const struct gas *g, int block, const struct state *s, batch_visitor *visit, void *context) {
+    struct block_cells c;
+    g->engine->state.cells(g, block, s, &c);
+    struct batch b = {.block = c.block};
+    for (int k = 0; k < c.n[2]; k++)
+        for (int j = 0; j < c.n[1]; j++)
+            for (int i = 0; i < c.n[0]; i += b.n) {
+                const long first = c.first + i * c.step[0] + j * c.step[1] + k * c.step[2];
+                b.n = c.n[0] - i < BATCH ? c.n[0] - i : BATCH;
+                for (int m = 0; m < b.n; m++) b.at[m] = c.at ? c.at[i + m] : first + m * c.step[0];
+                visit(context, &b);
+                b.from += b.n;
+            }
+}
+
+int grid_blocks(const struct gas *g) {
+    return g->forest ? g->forest->nblocks : g->grid->nblocks;
+}
+
+/* Returns the polyMesh's numbers of the cells of a block, and how many they are. */
+static const int *mesh_cells(const struct gas *g, int block, int *n) {
+    if (!g->forest) {
+        *n = g->grid->block[block].ncells;
+        return g->grid->block[block].cell;
+    }
+    const struct forest_block *b = &g->forest->block[block];
+    *n = b->n[0] * b->n[1] * b->n[2];
+    return b->cell;
+}
+
+static long cells_of_rank(const struct gas *g) {
+    long cells = 0;
+    for (int b = 0, n; b < grid_blocks(g); b++) {
+        (void)mesh_cells(g, b, &n);
+        cells += n;
+    }
+    return cells;
+}
+
+/* ---- values in and out ---- */
+
+struct lines { /* n lines of blocks, from `first` on, and their values */
+    double *const *block;
+    long size;
+    int first, n;
+    const int *cell; /* where `in` has the values of the block's cells; NULL: one behind the other, from `next` on */
+    long next;
+    const double *const *in;
+    double *const *out;
+};
+
+static void put_batch(void *lines, const struct batch *b) {
+    const struct lines *l = lines;
+    for (int v = 0; v < l->n; v++) {
+        double *line = l->block[b->block] + (l->first + v) * l->size;
+        for (int i = 0; i < b->n; i++)
+            line[b->at[i]] = l->in[v][l->cell ? l->cell[b->from + i] : l->next + b->from + i];
+    }
+}
+
+static void take_batch(void *lines, const struct batch *b) {
+    const struct lines *l = lines;
+    for (int v = 0; v < l->n; v++) {
+        const double *line = l->block[b->block] + (l->first + v) * l->size;
+        for (int i = 0; i < b->n; i++) l->out[v][b->from + i] = line[b->at[i]];
+    }
+}
+
+/* Sets n lines of blocks from arrays of this rank's cells (own), or from arrays in polyMesh order. */
+static void put_lines(const struct gas *g, bool own, int n, const double *const *in, double *const *block) {
+    struct lines l = {.block = block, .size = g->size, .n = n, .in = in};
+    for (int b = 0, cells; b < grid_blocks(g); b++, l.next += cells) {
+        const int *cell = mesh_cells(g, b, &cells);
+        l.cell = own ? NULL : cell;
+        visit_block(g, b, NULL, put_batch, &l);
+    }
+}
+
+void state_set(struct gas *g, bool own, const double *const U[MAX_VAR]) {
+    if (g->engine->state.unfold) g->engine->state.unfold(g, &g->U, true);
+    put_lines(g, own, g->nvar, U, g->U.block);
+}
+
+void limited_set(struct gas *g, const double *values) {
+    put_lines(g, true, 1, &values, g->limits.cells);
+}
+
+void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
+    struct lines l = {.block = g->U.block, .size = g->size, .first = first, .n = n, .out = out};
+    visit_block(g, block, &g->U, take_batch, &l);
+}
+
+struct reading { /* of a field */
+    const struct gas *g;
+    enum gas_field field;
+    double *const *out;
+};
+
+static void read_batch(void *reading, const struct batch *b) {
+    const struct reading *r = reading;
+    const struct gas *g = r->g;
+    double U[MAX_VAR][BATCH] = {{0}}, *out[3] = {NULL, NULL, NULL};
+    for (int k = 0; k < (r->field == GAS_U ? g->components : 1); k++) out[k] = r->out[k] + b->from;
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < b->n; i++) U[v][i] = g->U.block[b->block][v * g->size + b->at[i]];
+    field_row(g, r->field, b->n, BATCH, U[0], out);
+}
+
+void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
+    struct lines limited = {.block = g->limits.cells, .size = g->size, .n = 1, .out = out};
+    double value[3];
+    int n;
+    (void)mesh_cells(g, block, &n);
+    if (field == GAS_LIMITED)
+        visit_block(g, block, NULL, take_batch, &limited);
+    else if (!gas_block_uniform(g, block, field, value))
+        visit_block(g, block, &g->U, read_batch, &(struct reading){g, field, out});
+    else
+        for (int k = 0; k < (field == GAS_U ? g->components : 1); k++)
+            for (int i = 0; i < n; i++) out[k][i] = value[k];
+}
+
+bool gas_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
+    return g->engine->state.block_uniform && field != GAS_LIMITED &&
+           g->engine->state.block_uniform(g, block, field, value);
+}
+
+/* Gathers values of this rank's cells in the root's array, in polyMesh order. */
+static status gather(const struct gas *g, const double *values, double *all) {
+    return g->forest ? forest_gather(g->forest, values, all) : grid_gather(g->grid, values, all);
+}
+
+status gas_get_variables(const struct gas *g, int first, int n, double *const *out) {
+    double *values;
+    status s = comm_agree(g->comm, allocate(&values, cells_of_rank(g), sizeof *values, "the cells of this rank"));
+    for (int v = 0; v < n && !s; v++) {
+        double *next = values;
+        for (int b = 0, cells; b < grid_blocks(g); b++, next += cells) {
+            (void)mesh_cells(g, b, &cells);
+            gas_block_variables(g, b, first + v, 1, &next);
+        }
+        s = gather(g, values, comm_root(g->comm) ? out[v] : NULL);
+    }
+    free(values);
+    return s;
+}
+
+status gas_field(const struct gas *g, enum gas_field field, double *const out[3]) {
+    const int components = field == GAS_U ? g->components : 1;
+    const long cells = cells_of_rank(g);
+    double *values;
+    TRY(comm_agree(g->comm, allocate(&values, cells * components, sizeof *values, "a field")));
+    double *at[3] = {values, values + cells, values + 2 * cells};
+    for (int b = 0, n; b < grid_blocks(g); b++) {
+        (void)mesh_cells(g, b, &n);
+        gas_block_field(g, b, field, at);
+        for (int k = 0; k < components; k++) at[k] += n;
+    }
+    status s = OK;
+    for (int k = 0; k < components && !s; k++) s = gather(g, values + k * cells, comm_root(g->comm) ? out[k] : NULL);
+    free(values);
+    return s;
+}
+
+/* ---- sums ---- */
+
+status sum_blocks(const struct gas *g, const double *per_block, double *sum) {
+    return g->forest ? forest_sum(g->forest, per_block, sum) : grid_sum(g->grid, per_block, sum);
+}
+
+struct summing {
+    const struct gas *g;
+    const struct state *s;
+    int n; /* lines */
+    double sum[MAX_VAR];
+};
+
+/* Adds all lines at once, in registers, as each addition waits for the one before. Cells that have their values in
+ * common are added one by one, so that uniform axes change no bit. Sums beyond the n lines repeat the first. */
+static void sum_batch(void *summing, const struct batch *b) {
+    struct summing *x = summing;
+    const double *line[MAX_VAR], *volume = x->g->volumes.each;
+    double sum[MAX_VAR];
+    memcpy(sum, x->sum, sizeof sum);
+    for (int v = 0; v < MAX_VAR; v++) line[v] = x->s->block[b->block] + (v < x->n ? v : 0) * x->g->size;
+    for (int i = 0; i < b->n; i++) {
+        const double share = volume ? volume[b->at[i]] : 1;
+        for (int v = 0; v < MAX_VAR; v++) sum[v] += share * line[v][b->at[i]];
+    }
+    memcpy(x->sum, sum, sizeof sum);
+}
+
+/* Sums n lines of blocks, times volume, over the domain; written: of a state, whose cells are written out first. */
+static status integrate(const struct gas *g, const struct state *s, bool written, int n, double *total) {
+    const int blocks = grid_blocks(g);
+    for (int b = 0; b < blocks; b++) {
+        struct summing x = {.g = g, .s = s, .n = n};
+        visit_block(g, b, written ? s : NULL, sum_batch, &x);
+        for (int v = 0; v < n; v++) g->volumes.sums[v * blocks + b] = x.sum[v];
+    }
+    for (int v = 0; v < n; v++) {
+        TRY(sum_blocks(g, g->volumes.sums + v * blocks, &total[v]));
+        total[v] *= g->volumes.unit;
+    }
+    return OK;
+}
+
+status state_totals(const struct gas *g, const struct state *s, double totals[MAX_VAR]) {
+    return integrate(g, s, true, g->nvar, totals);
+}
+
+status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
+    return state_totals(g, &g->U, totals);
+}
+
+/* Sums a number of each block of the state, which the images of its cells have, too. */
+static status sum_of_tiles(const struct gas *g, const double *raised, double *sum) {
+    for (int b = 0; b < grid_blocks(g); b++) {
+        struct block_cells c;
+        double images = 1;
+        g->engine->state.cells(g, b, NULL, &c);
+        for (int k = 0; k < 3; k++) images *= c.step[k] ? 1 : c.n[k];
+        g->volumes.sums[b] = raised[c.block] * images;
+    }
+    TRY(sum_blocks(g, g->volumes.sums, sum));
+    *sum *= g->volumes.unit;
+    return OK;
+}
+
+status sum_raised(const struct gas *g, double *raised, double *sum) {
+    return g->floors.step ? integrate(g, &(struct state){.block = &raised}, false, 1, sum)
+                          : sum_of_tiles(g, raised, sum);
+}
