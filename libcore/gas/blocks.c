@@ -97,7 +97,7 @@ void state_set(struct gas *g, bool own, const double *const U[MAX_VAR]) {
 }
 
 void limited_set(struct gas *g, const double *values) {
-    put_lines(g, true, 1, &values, g->limits.cells);
+    put_lines(g, true, 1, &values, g->flags.limited);
 }
 
 void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
@@ -122,7 +122,7 @@ static void read_batch(void *reading, const struct batch *b) {
 }
 
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
-    struct lines limited = {.block = g->limits.cells, .size = g->size, .n = 1, .out = out};
+    struct lines limited = {.block = g->flags.limited, .size = g->size, .n = 1, .out = out};
     double value[3];
     int n;
     (void)mesh_cells(g, block, &n);

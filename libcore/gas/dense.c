@@ -333,7 +333,7 @@ bool dense_refused(struct gas *g, double *dt) {
     d->paused = d->pause = larger(*dt, smaller(LONGER * d->paused, LONGEST_PAUSE * d->usual));
     /* the last two steps before an event share what is left (solvers/case/control.c), as if this had been planned */
     *dt = *dt < 2 * d->plain ? 0.5 * *dt : d->plain;
-    g->engine->stage.clear_flags(g);
+    flags_clear(g);
     return true;
 }
 

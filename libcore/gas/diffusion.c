@@ -275,7 +275,7 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
         }
         g->counts.now.repeated++;
         books_mark_heat(g, true);
-        (void)g->engine->diffusion.flags(g, false);
+        (void)flags_of_marks(g, false);
     }
 }
 
@@ -326,10 +326,10 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
         repeats++;
         if (source_thermal(&g->models.source)) forget_cooled(g);
         books_mark(g, true);
-        plain = g->engine->diffusion.flags(g, true);
+        plain = flags_of_marks(g, true);
     }
-    (void)g->engine->diffusion.flags(g, false);
-    if (repeats) g->engine->stage.clear_flags(g);
+    (void)flags_of_marks(g, false);
+    if (repeats) flags_clear(g);
     g->counts.now.halves += most[0] == 0;
     g->counts.now.repeated += repeats;
     g->counts.now.plain += plain;

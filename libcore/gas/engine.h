@@ -26,7 +26,8 @@ struct row { /* n <= BATCH cells that lie one behind the other in a block's line
 };
 typedef void row_visitor(void *context, const struct row *row);
 enum extent {
-    EVERY_CELL, /* all cells of this rank, one by one; backgrounds are written out to their cells first */
+    EVERY_CELL, /* all cells of this rank, one by one; backgrounds of s, if it is not NULL, are written out first */
+    NEAR_CELLS, /* these, and the ghosts that diffusion reads: a layer of a lattice, all of polyhedra; s is NULL */
     EACH_STATE, /* each state that occurs: spans are narrowed, then their cells are visited, and each background once */
     KEPT_STATES, /* the cells in the spans as these are, and each background once */
     VARIED_CELLS /* the cells in the spans as these are, without backgrounds */
@@ -71,6 +72,8 @@ struct state_hooks {
     /* Makes the cells of backgrounds varied cells: of inadmissible ones, so that each cell is mended and counted by
      * itself, or of all. NULL: there are no backgrounds. */
     void (*unfold)(struct gas *g, const struct state *s, bool all);
+    /* Fills the ghosts of n lines of blocks, not those beyond patches. */
+    void (*fill)(const struct gas *g, int n, double *const *block);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
     /* As gas_block_uniform, but for GAS_LIMITED. NULL: no block is known to be uniform. */
@@ -97,17 +100,10 @@ struct stage_hooks {
      * ending. */
     long (*last_stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt, struct ending *ending);
-    /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
-    long (*share_flags)(struct gas *g);
     /* Does the stage again where flags are near, with limited fluxes through the faces of flagged cells
      * (libcore/schemes/limit.h), and counts these faces in g->limits.faces. Flags the cells to be limited then. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
-    /* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
-    void (*note_limited)(struct gas *g, double place[3]);
-    /* Keeps a copy of the field `limited`; back: gives the field the values of the copy. */
-    void (*hold_limited)(struct gas *g, bool back);
-    void (*clear_flags)(struct gas *g);
 };
 
 /* The parts of one super step of diffusion: S_0 = 0, q_0 = u or T of Y0, q_j = q_0 + L S_j/rho
@@ -140,10 +136,9 @@ struct diffusion_hooks {
      * of that S if q were 1 throughout. Marks the cells that are not admissible, and returns their number. */
     long (*end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                 double weight);
-    /* keep: turns the marks into flags; from here on the stress on the faces of flagged cells has no tangential
-     * derivatives (on polyhedra all their fluxes have the jumps across the faces alone), and cross is 0 there. Else:
-     * drops the marks. Returns the number of flagged cells of all ranks. */
-    long (*flags)(struct gas *g, bool keep);
+    /* From here on the stress on the faces of flagged cells has no tangential derivatives (on polyhedra all their
+     * fluxes have the jumps across the faces alone), and cross is 0 there. */
+    void (*plain)(struct gas *g);
 };
 
 /* The systems of implicit diffusion (libcore/gas/implicit.h). */

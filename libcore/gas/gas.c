@@ -4,6 +4,46 @@
 
 #include <stdlib.h>
 
+/* The lines of blocks that both engines have. */
+static void list_lines(struct gas *g, double ***line[7]) {
+    double ***const all[] = {&g->flags.cells,        &g->flags.limited,    &g->flags.kept,   &g->flags.mark,
+                             &g->diffusion.friction, &g->diffusion.cooled, &g->falling.cells};
+    memcpy(line, all, sizeof all);
+}
+
+static status make_line(const struct gas *g, double ***out) {
+    TRY(allocate(out, g->blocks, sizeof **out, "the gas"));
+    for (int b = 0; b < g->blocks; b++) TRY(allocate(&(*out)[b], g->size + SLACK, sizeof(double), "the gas"));
+    return OK;
+}
+
+static status make_lines(struct gas *g) {
+    const bool falls = source_falls(&g->models.source, g->components);
+    double ***line[7];
+    list_lines(g, line);
+    for (int i = 0; i < 7; i++)
+        if (i < 3 || (i < 6 ? g->models.transport != NULL : falls)) TRY(make_line(g, line[i]));
+    TRY(allocate(&g->flags.blocks, g->blocks, sizeof *g->flags.blocks, "the gas"));
+    TRY(allocate(&g->volumes.sums, (long)g->nvar * grid_blocks(g), sizeof *g->volumes.sums, "the gas"));
+    if (falls) TRY(allocate(&g->falling.dropped, g->floors.places, sizeof *g->falling.dropped, "the gas"));
+    if (falls) TRY(allocate(&g->falling.blocks, g->blocks, sizeof *g->falling.blocks, "the gas"));
+    return floors_make(g);
+}
+
+static void free_lines(struct gas *g) {
+    double ***line[7];
+    list_lines(g, line);
+    for (int i = 0; i < 7; i++) {
+        for (int b = 0; *line[i] && b < g->blocks; b++) free((*line[i])[b]);
+        free(*line[i]);
+    }
+    free(g->flags.blocks);
+    free(g->volumes.sums);
+    free(g->falling.dropped);
+    free(g->falling.blocks);
+    floors_free(g);
+}
+
 static status make(const struct gas *like, struct gas **out) {
     struct gas *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
@@ -18,7 +58,7 @@ static status make(const struct gas *like, struct gas **out) {
     for (int p = 0; p < g->patches.n; p++) g->patches.fed |= patch_feeds(&g->patches.rules[p]);
     if (g->models.alpha_floor > 0)
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
-    status s = allocate(&g->volumes.sums, (long)g->nvar * grid_blocks(g), sizeof *g->volumes.sums, "blocks");
+    status s = make_lines(g);
     if (!s) s = g->engine->state.make(g);
     if (!s) s = shear_rate_make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
@@ -38,7 +78,9 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .dim = f->dim,
                           .components = models->components,
                           .counts = {.images = f->images},
+                          .blocks = f->ntiles,
                           .size = f->size,
+                          .floors = {.places = f->ntiles},
                           .volumes = {.unit = f->volume},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
@@ -53,7 +95,9 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .dim = grid->dim,
                           .components = models->components,
                           .counts = {.images = 1},
+                          .blocks = 1,
                           .size = grid->polyhedra->size,
+                          .floors = {.places = grid->polyhedra->nown, .step = 1},
                           .volumes = {grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
@@ -68,7 +112,7 @@ void gas_free(struct gas *g) {
     g->engine->state.free(g);
     books_free(g);
     status_free(g->patches.failed);
-    free(g->volumes.sums);
+    free_lines(g);
     free(g);
 }
 

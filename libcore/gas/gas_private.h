@@ -82,7 +82,15 @@ struct limits { /* of admissible states, and the limiting of fluxes that keeps t
     bool crowds;        /* are crowded cells limited (find_crowded)? no, if the gas may collapse: it packs by itself */
     const struct reconstruct *first_order; /* of the fluxes that limiting moves towards */
     long faces;                            /* faces limited in the last redo, on this rank */
-    double **cells;                        /* [blocks][size] how often the faces of a cell were limited */
+};
+
+struct flags {        /* of cells whose faces are to be limited (libcore/gas/flags.c) */
+    double **cells;   /* [blocks][size] > 0 where they are (numbers travel like variables) */
+    bool *blocks;     /* [blocks] does the block, or its ghosts that are NEAR_CELLS, hold a flag? */
+    double **limited; /* [blocks][size] how often the faces of a cell were limited */
+    double **kept;    /* as limited, before the step in hand */
+    double **mark;    /* [blocks][size] > 0 in cells that diffusion left inadmissible */
+    bool marked;      /* is any mark up? */
 };
 
 struct patches {
@@ -158,6 +166,7 @@ struct gas {
     int dim;
     int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
     int nvar;       /* components + 2: rho, rho u, E */
+    int blocks;     /* of the state: tiles, or 1 */
     long size;      /* numbers in a line of a block: the distance from one variable to the next */
 
     struct state U;    /* the state between steps */
@@ -168,6 +177,7 @@ struct gas {
     struct patches patches;
     struct stepping step;
     struct limits limits;
+    struct flags flags;
     struct floors floors;
     struct falling falling;
     struct half_diffusion diffusion;
@@ -262,6 +272,19 @@ status stop_of_diffusion(struct gas *g, double t);
 bool asked_to_leave(struct gas *g);
 /* Returns the error of a dt so short that t + dt is t, or all but t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
+
+/* ---- flags of cells (libcore/gas/flags.c) ---- */
+
+/* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
+long flags_share(struct gas *g);
+/* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
+void flags_note(struct gas *g, double place[3]);
+/* Keeps a copy of the field `limited`; back: gives the field the values of the copy. */
+void flags_hold(struct gas *g, bool back);
+void flags_clear(struct gas *g);
+/* Turns the marks of diffusion into flags, for plain fluxes (keep), or drops them. Returns the number of flagged cells
+ * of all ranks. */
+long flags_of_marks(struct gas *g, bool keep);
 
 /* ---- the blocks of the grid (libcore/gas/blocks.c) ---- */
 

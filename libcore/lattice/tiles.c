@@ -47,14 +47,6 @@ static status make_work(struct gas *g) {
     return OK;
 }
 
-/* Gravity needs to know which cells it acts on in the stages. */
-static status make_falls(struct gas *g) {
-    if (!source_falls(&g->models.source, g->components)) return OK;
-    TRY(blocks_make(g->forest, 1, &g->falling.cells));
-    TRY(allocate(&g->falling.dropped, g->floors.places, sizeof(double), "tiles"));
-    return allocate(&g->falling.blocks, g->forest->ntiles, sizeof(bool), "tiles");
-}
-
 /* The cells on either side that the fluxes of a cell read: those of the reconstruction of its faces. A flux with rules
  * for single faces looks at six cells. */
 static int reach_of(const struct gas *g) {
@@ -107,16 +99,9 @@ static status tiles_make(struct gas *g) {
     TRY(allocate(&g->tiles, 1, sizeof *g->tiles, "the gas"));
     TRY(make_activity(g));
     for (int i = 0; i < 4; i++) TRY(make_state(g, states[i]));
-    TRY(blocks_make(g->forest, 1, &g->tiles->flag));
-    TRY(blocks_make(g->forest, 1, &g->limits.cells));
-    TRY(blocks_make(g->forest, 1, &g->tiles->held));
-    g->floors.places = g->forest->ntiles;
-    TRY(floors_make(g));
-    TRY(allocate(&g->tiles->flagged, g->forest->ntiles, sizeof(bool), "tiles"));
     TRY(make_work(g));
     TRY(seams_make(g));
     TRY(fronts_make(g));
-    TRY(make_falls(g));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
 
@@ -135,21 +120,13 @@ static void tiles_free(struct gas *g) {
     struct state *states[] = {&g->U, &g->U0, &g->V, &g->W};
     struct tiles *x = g->tiles;
     for (int i = 0; i < 4; i++) free_state(g->forest, states[i]);
-    floors_free(g);
-    blocks_free(g->forest, g->falling.cells);
-    free(g->falling.blocks);
-    free(g->falling.dropped);
     if (!x) return;
     tiles_diffuser_free(g);
-    blocks_free(g->forest, x->flag);
-    blocks_free(g->forest, g->limits.cells);
-    blocks_free(g->forest, x->held);
     free_work(&x->work);
     seams_free(g);
     fronts_free(g);
-    void *single[] = {
-        x->flagged, x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed, x->activity.quiet,
-        x};
+    void *single[] = {x->activity.differ,  x->activity.active, x->activity.needed,
+                      x->activity.crossed, x->activity.quiet,  x};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
 }
 
@@ -177,9 +154,9 @@ static void tiles_rows(const struct gas *g, enum extent extent, const struct sta
                        void *context) {
     struct hand_over h = {.visit = visit, .context = context};
     for (h.tile = 0; h.tile < g->forest->ntiles; h.tile++) {
-        if (extent == EVERY_CELL) {
-            activity_store_all(g, h.tile, s);
-            runs_visit(g->forest, &g->forest->tile[h.tile], 0, hand_over, &h);
+        if (extent == EVERY_CELL || extent == NEAR_CELLS) {
+            if (s) activity_store_all(g, h.tile, s);
+            runs_visit(g->forest, &g->forest->tile[h.tile], extent == NEAR_CELLS, hand_over, &h);
             continue;
         }
         if ((extent == EACH_STATE && activity_find(g, h.tile, s)) ||
@@ -187,6 +164,10 @@ static void tiles_rows(const struct gas *g, enum extent extent, const struct sta
             hand_over(&h, 0, 1); /* the background */
         varied_visit(g, h.tile, s, hand_over, &h);
     }
+}
+
+static void tiles_fill(const struct gas *g, int n, double *const *block) {
+    forest_fill(g->forest, n, block);
 }
 
 static void tiles_keep_as(const struct gas *g, const struct state *from, const struct state *to) {
@@ -319,19 +300,13 @@ const struct engine engine_lattice = {
               .keep_as = tiles_keep_as,
               .join = tiles_join,
               .unfold = tiles_unfold,
+              .fill = tiles_fill,
               .place = tiles_place,
               .block_uniform = tiles_block_uniform,
               .speed = tiles_speed,
               .fastest_place = tiles_fastest_place,
               .shear_rate = tiles_shear_rate},
-    .stage = {.fronts = tiles_fronts,
-              .stage = tiles_stage,
-              .last_stage = tiles_last_stage,
-              .share_flags = tiles_share_flags,
-              .redo = tiles_redo,
-              .note_limited = tiles_note_limited,
-              .hold_limited = tiles_hold_limited,
-              .clear_flags = tiles_clear_flags},
+    .stage = {.fronts = tiles_fronts, .stage = tiles_stage, .last_stage = tiles_last_stage, .redo = tiles_redo},
     .diffusion = {.rates = tiles_diffusion_rates,
                   .stiffest_place = tiles_stiffest_place,
                   .ahead = tiles_diffusion_ahead,
@@ -340,7 +315,7 @@ const struct engine engine_lattice = {
                   .end = tiles_diffusion_end,
                   .cross = tiles_diffusion_cross,
                   .dilate = tiles_diffusion_dilate,
-                  .flags = tiles_diffusion_flags},
+                  .plain = tiles_diffusion_plain},
     .implicit = {.pattern = tiles_implicit_pattern, .matrix = tiles_implicit_matrix, .move = tiles_implicit_move},
     .bed = {.make = tiles_bed_make,
             .free = tiles_bed_free,

@@ -71,9 +71,6 @@ struct seam {        /* one side of the tile in hand */
 
 /* Memory that the engine of the lattice owns: g->tiles. */
 struct tiles {
-    double **flag; /* [ntiles] of [size]: > 0 where faces are to be limited (numbers travel like variables) */
-    double **held; /* as g->limits.cells, before the step in hand */
-    bool *flagged; /* [ntiles] does the tile, or its ghost layer, hold a flag? */
     struct work work;
     struct activity activity;
     struct seams seams;
@@ -86,12 +83,8 @@ long tiles_stage(struct gas *g, const struct state *U0, const struct state *from
                  double dt);
 long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                       double dt, struct ending *ending);
-long tiles_share_flags(struct gas *g);
 void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
-void tiles_note_limited(struct gas *g, double place[3]);
-void tiles_hold_limited(struct gas *g, bool back);
-void tiles_clear_flags(struct gas *g);
 void tiles_unfold(struct gas *g, const struct state *s, bool all);
 
 void tiles_shear_rate(struct gas *g, const struct state *s); /* libcore/lattice/tiles_shear_rate.c */
@@ -108,7 +101,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
                          double weight);
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt);
 void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
-long tiles_diffusion_flags(struct gas *g, bool keep);
+void tiles_diffusion_plain(struct gas *g);
 status tiles_implicit_pattern(struct gas *g, struct links *out);
 void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,
                            double *E, double *weight);

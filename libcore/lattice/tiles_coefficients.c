@@ -21,9 +21,6 @@ status tiles_diffuser_make(struct gas *g) {
         memset(d->keep[t], 0, (size_t)(g->dim * g->forest->size) * sizeof(double));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
-    TRY(blocks_make(g->forest, 1, &d->mark));
-    TRY(blocks_make(g->forest, 1, &g->diffusion.friction));
-    TRY(blocks_make(g->forest, 1, &g->diffusion.cooled));
     if (g->diffusion.terms.cross) TRY(blocks_make(g->forest, g->dim + 1, &d->cross));
     if (g->diffusion.terms.dilation) TRY(blocks_make(g->forest, 1, &d->dilation));
     return blocks_make(g->forest, 1, &d->warm);
@@ -32,20 +29,8 @@ status tiles_diffuser_make(struct gas *g) {
 void tiles_diffuser_free(struct gas *g) {
     struct diffuser *d = g->tiles->diffuser;
     if (!d) return;
-    double **blocks[] = {d->sum[0],
-                         d->sum[1],
-                         d->start,
-                         d->gradient,
-                         d->face,
-                         d->light,
-                         d->wall,
-                         d->mark,
-                         d->warm,
-                         d->keep,
-                         g->diffusion.friction,
-                         g->diffusion.cooled,
-                         d->cross,
-                         d->dilation};
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,    d->light,
+                         d->wall,   d->warm,   d->keep,  d->cross,    d->dilation};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) blocks_free(g->forest, blocks[i]);
     free(d);
 }

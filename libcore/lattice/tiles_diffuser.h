@@ -24,9 +24,7 @@ struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins w
     double **light;    /* 1: 1/rho */
     double **keep;     /* dim: while `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
     double **wall;     /* WALL_LINES */
-    double **mark;     /* 1: > 0 in cells that were not admissible */
     double **warm;     /* 1: T of the coefficients, then T(to)/T (diffusion_hooks.ahead); with one layer of ghosts */
-    bool marked;       /* is any mark up? */
     bool plain;        /* `keep` counts, until the next rates */
     int last;          /* which of the two sums is that of the last stage */
 };

@@ -45,7 +45,7 @@ static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
         if (changes || s->to != s->Y0)
             memcpy(s->to + v * size + at, changes ? moved : from, (size_t)n * sizeof(double));
     }
-    s->bad += row_inadmissible(g, s->to, at, n, g->tiles->diffuser->mark[s->tile]);
+    s->bad += row_inadmissible(g, s->to, at, n, g->flags.mark[s->tile]);
 }
 
 /* S of the next stage, which takes the place of the sum before the last. c: factors of the last S, of the S before, of
@@ -339,7 +339,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
         sweep_tile(&s);
         bad += s.bad;
     }
-    g->tiles->diffuser->marked |= bad > 0;
+    g->flags.marked |= bad > 0;
     return bad;
 }
 
@@ -347,7 +347,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
  * their heat flux. */
 static void plain_faces(struct gas *g, int tile) {
     const struct forest *f = g->forest;
-    const double *flag = g->tiles->flag[tile];
+    const double *flag = g->flags.cells[tile];
     for (int axis = 0; axis < g->dim; axis++) {
         double *keep = g->tiles->diffuser->keep[tile] + axis * f->size;
         double *cross = g->diffusion.terms.cross ? g->tiles->diffuser->cross[tile] + axis * f->size : NULL;
@@ -359,17 +359,7 @@ static void plain_faces(struct gas *g, int tile) {
     }
 }
 
-/* Flags are shared first, so that they count the same on both sides of a face between tiles. */
-long tiles_diffusion_flags(struct gas *g, bool keep) {
-    const size_t bytes = (size_t)g->forest->size * sizeof(double);
-    for (int t = 0; t < g->forest->ntiles && g->tiles->diffuser->marked; t++) {
-        for (long i = 0; keep && i < g->forest->size; i++) g->tiles->flag[t][i] += g->tiles->diffuser->mark[t][i];
-        memset(g->tiles->diffuser->mark[t], 0, bytes);
-    }
-    g->tiles->diffuser->marked = false;
-    if (!keep) return 0;
-    const long flagged = tiles_share_flags(g);
+void tiles_diffusion_plain(struct gas *g) {
     for (int t = 0; t < g->forest->ntiles; t++) plain_faces(g, t);
     g->tiles->diffuser->plain = true;
-    return flagged;
 }

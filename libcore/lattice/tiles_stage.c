@@ -109,7 +109,7 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     double limited[MAX_VAR][BATCH], theta[BATCH];
     struct faces f;
     make_faces(g, U, s, limited, 0, &f);
-    const double *flag = g->tiles->flag[s->tile] + s->offset;
+    const double *flag = g->flags.cells[s->tile] + s->offset;
     bool any = false;
     for (int i = 0; i < s->n; i++) any |= flag[i] + flag[i + f.stride] > 0;
     if (!any) return;
@@ -181,7 +181,7 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     if (voids_find(g, U, s, flat)) f.flat = flat;
     through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, f.flat, out, column);
-    if (g->tiles->flagged[s->tile]) limit_flagged(g, U, s, out, column);
+    if (g->flags.blocks[s->tile]) limit_flagged(g, U, s, out, column);
     if (g->patches.fed) tiles_feed(g, U, s, out, column);
     if (tiles_hold_bed(g, s->tile)) tiles_note_fluxes(g, s, out, column);
     if (g->tally) tiles_tally(g, s, out, column);
@@ -470,9 +470,9 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .U0 = U0->block[tile],
                             .from = from->block[tile],
                             .to = to->block[tile],
-                            .flag = g->tiles->flag[tile],
+                            .flag = g->flags.cells[tile],
                             .falls = g->falling.cells && g->falling.blocks[tile] ? g->falling.cells[tile] : NULL,
-                            .dropped = g->falling.dropped && g->tiles->flagged[tile] ? &g->falling.dropped[tile] : NULL,
+                            .dropped = g->falling.dropped && g->flags.blocks[tile] ? &g->falling.dropped[tile] : NULL,
                             .a = a,
                             .dt = dt,
                             .tile = tile};

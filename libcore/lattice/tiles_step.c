@@ -1,78 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A time step's parts on a lattice: stages over all tiles, the closing of a step, the flags of cells to be limited. */
+/* A time step's parts on a lattice: stages over all tiles, the closing of a step. */
 #include "libcore/lattice/tiles.h"
-
-struct census { /* counts the flags of a tile */
-    const double *flag;
-    long count;
-};
-
-static void census_visit(void *context, long offset, int n) {
-    struct census *c = context;
-    for (int i = 0; i < n; i++) c->count += c->flag[offset + i] > 0;
-}
-
-/* Notes also which tiles hold a flag, or have one in their first layer of ghosts. */
-long tiles_share_flags(struct gas *g) {
-    struct census own = {0};
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        own.flag = g->tiles->flag[t];
-        runs_visit(g->forest, &g->forest->tile[t], 0, census_visit, &own);
-    }
-    comm_sum_long(g->comm, &own.count, 1);
-    forest_fill(g->forest, 1, g->tiles->flag);
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct census near = {.flag = g->tiles->flag[t]};
-        runs_visit(g->forest, &g->forest->tile[t], 1, census_visit, &near);
-        g->tiles->flagged[t] = near.count > 0;
-    }
-    return own.count;
-}
-
-struct noting { /* counts flags in the field `limited`, and finds the first in space */
-    const struct gas *g;
-    int tile;
-    struct first_place first;
-};
-
-static void note_visit(void *context, long offset, int n) {
-    struct noting *c = context;
-    const double *flag = c->g->tiles->flag[c->tile];
-    for (int i = 0; i < n; i++) {
-        double here[3];
-        if (flag[offset + i] == 0) continue;
-        c->g->limits.cells[c->tile][offset + i] += 1;
-        tiles_place(c->g, c->tile, offset + i, here);
-        first_place_offer(&c->first, here);
-    }
-}
-
-void tiles_note_limited(struct gas *g, double place[3]) {
-    struct noting c = {.g = g, .first.order = HUGE_VAL};
-    for (c.tile = 0; c.tile < g->forest->ntiles; c.tile++)
-        if (g->tiles->flagged[c.tile]) runs_visit(g->forest, &g->forest->tile[c.tile], 0, note_visit, &c);
-    first_place_share(g, &c.first, place);
-}
-
-void tiles_hold_limited(struct gas *g, bool back) {
-    double **limited = g->limits.cells, **held = g->tiles->held;
-    for (int t = 0; t < g->forest->ntiles; t++)
-        memcpy((back ? limited : held)[t], (back ? held : limited)[t], (size_t)g->forest->size * sizeof(double));
-}
-
-void tiles_clear_flags(struct gas *g) {
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        memset(g->tiles->flag[t], 0, (size_t)g->forest->size * sizeof(double));
-        g->tiles->flagged[t] = false;
-    }
-}
 
 void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt) {
     g->limits.faces = 0;
     drop_begin(g);
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->tiles->flagged[t]) {
+        if (g->flags.blocks[t]) {
             to->calm[t] = false;
             (void)stage_of_tile(g, t, U0, from, to, a, dt);
         }

@@ -22,20 +22,8 @@ static status make_lines(struct gas *g) {
     }
     for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
-    g->floors.places = m->nown;
-    g->floors.step = 1;
-    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line, &c->held};
-    for (int i = 0; i < 4; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
-    TRY(floors_make(g));
-    if (source_falls(&g->models.source, g->components)) {
-        TRY(allocate(&g->falling.cells, 1, sizeof(double *), "cells"));
-        TRY(allocate(&g->falling.cells[0], m->nown, sizeof(double), "cells"));
-        TRY(allocate(&g->falling.dropped, m->nown, sizeof(double), "cells"));
-        TRY(allocate(&g->falling.blocks, 1, sizeof(bool), "cells"));
-    }
-    TRY(allocate(&c->flag, m->size, sizeof(double), "cells"));
-    TRY(allocate(&g->limits.cells, 1, sizeof(double *), "cells"));
-    TRY(allocate(&g->limits.cells[0], m->size, sizeof(double), "cells"));
+    double **single[] = {&c->inverse_volume, &c->total_girth, &c->line};
+    for (int i = 0; i < 3; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
     return OK;
 }
 
@@ -100,14 +88,6 @@ static void cells_free(struct gas *g) {
         if (states[i]->block) free(states[i]->block[0]);
         free(states[i]->block);
     }
-    floors_free(g);
-    double **lines[] = {g->diffusion.friction, g->diffusion.cooled, g->falling.cells, g->limits.cells};
-    for (int i = 0; i < 4; i++) {
-        if (lines[i]) free(lines[i][0]);
-        free(lines[i]);
-    }
-    free(g->falling.blocks);
-    free(g->falling.dropped);
     if (!c) return;
     fit_free(c->fit);
     cells_sweep_free(&c->sweep);
@@ -123,8 +103,6 @@ static void cells_free(struct gas *g) {
     free(c->inverse_volume);
     free(c->total_girth);
     free(c->line);
-    free(c->flag);
-    free(c->held);
     free(c);
 }
 
@@ -138,11 +116,16 @@ static void cells_of_block(const struct gas *g, int block, const struct state *s
 
 static void cells_rows(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit,
                        void *context) {
-    const int nown = g->cells->polyhedra->nown;
-    (void)extent; /* every cell has a state of its own */
-    (void)s;
-    for (int at = 0; at < nown; at += BATCH)
-        visit(context, &(struct row){0, at, nown - at < BATCH ? nown - at : BATCH});
+    const int end = extent == NEAR_CELLS ? g->cells->polyhedra->size : g->cells->polyhedra->nown;
+    (void)s; /* every cell has a state of its own */
+    for (int at = 0; at < end; at += BATCH) visit(context, &(struct row){0, at, end - at < BATCH ? end - at : BATCH});
+}
+
+static void cells_fill(const struct gas *g, int n, double *const *block) {
+    double *line[MAX_VAR];
+    for (int v = 0; v < n; v++) line[v] = block[0] + v * g->size;
+    polyhedra_fill_start(g->cells->polyhedra, n, line);
+    polyhedra_fill_finish(g->cells->polyhedra);
 }
 
 static void cells_place(const struct gas *g, int block, long at, double place[3]) {
@@ -230,42 +213,18 @@ static status cells_tally_rest(const struct gas *g, double force[MAX_DIM]) {
     return OK;
 }
 
-static void cells_hold_limited(struct gas *g, bool back) {
-    struct cells *c = g->cells;
-    memcpy(back ? g->limits.cells[0] : c->held, back ? c->held : g->limits.cells[0],
-           (size_t)c->polyhedra->nown * sizeof(double));
-}
-
-static void cells_note_limited(struct gas *g, double place[3]) {
-    const struct cells *c = g->cells;
-    struct first_place first = {.order = HUGE_VAL};
-    for (int i = 0; i < c->polyhedra->nown; i++) {
-        if (c->flag[i] == 0) continue;
-        g->limits.cells[0][i] += 1;
-        double here[3] = {0, 0, 0};
-        for (int k = 0; k < g->dim; k++) here[c->polyhedra->axis[k]] = c->polyhedra->centre[k][i];
-        first_place_offer(&first, here);
-    }
-    first_place_share(g, &first, place);
-}
-
 const struct engine engine_polyhedral = {
     .state = {.make = cells_make,
               .free = cells_free,
               .cells = cells_of_block,
               .rest = cells_rest,
               .rows = cells_rows,
+              .fill = cells_fill,
               .place = cells_place,
               .speed = cells_speed,
               .fastest_place = cells_fastest_place,
               .shear_rate = cells_shear_rate},
-    .stage = {.fronts = cells_fronts,
-              .stage = cells_stage,
-              .share_flags = cells_share_flags,
-              .redo = cells_redo,
-              .note_limited = cells_note_limited,
-              .hold_limited = cells_hold_limited,
-              .clear_flags = cells_clear_flags},
+    .stage = {.fronts = cells_fronts, .stage = cells_stage, .redo = cells_redo},
     .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
                   .cooled_first = true,
                   .rates = cells_diffusion_rates,
@@ -276,7 +235,7 @@ const struct engine engine_polyhedral = {
                   .end = cells_diffusion_end,
                   .cross = cells_diffusion_cross,
                   .dilate = cells_diffusion_dilate,
-                  .flags = cells_diffusion_flags},
+                  .plain = cells_diffusion_plain},
     .bed = {.make = cells_bed_make,
             .free = cells_bed_free,
             .find = cells_bed_find,

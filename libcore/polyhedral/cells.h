@@ -39,9 +39,6 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     double *girth[MAX_DIM]; /* [dim][nown] sum over the faces of A |n_k| / (2 V), 1/m */
     double *total_girth;    /* [nown] sum over the faces of A / (2 V), 1/m */
     double *flux[MAX_VAR];  /* [faces + 1] through the whole face, from left to right, in the axes of the polyhedra */
-    double *flag;           /* [size] > 0 where faces are to be limited */
-    double *held;           /* [nown] as g->limits.cells, before the step in hand */
-    bool flagged;           /* is any flag up on any rank? */
     double *line;           /* [nown] scratch */
     struct cells_diffuser *diffuser;     /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
     struct cells_weight *weight;         /* libcore/polyhedral/cells_weight.c; NULL: there is no gravity */
@@ -200,10 +197,8 @@ void cells_tally_cross(struct gas *g, double dt);
 
 long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                  double dt);
-long cells_share_flags(struct gas *g);
 void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
-void cells_clear_flags(struct gas *g);
 
 status cells_shear_rate_make(struct gas *g);
 void cells_shear_rate_free(struct cells_shear_rate *x);
@@ -221,7 +216,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
                          double weight);
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt);
 void cells_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
-long cells_diffusion_flags(struct gas *g, bool keep);
+void cells_diffusion_plain(struct gas *g);
 status cells_implicit_pattern(struct gas *g, struct links *out);
 void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,
                            double *E, double *weight);

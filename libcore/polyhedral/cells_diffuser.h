@@ -18,14 +18,12 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     bool lifts;                          /* is any wall.lift not 0? */
     double *cross;                       /* -cross d rho/dn times the area, left to right; NULL: no such term */
     double *dilation;                    /* coefficients of div u; NULL: no such term */
-    double *mark;                        /* > 0 in cells that were not admissible */
     double *alike, *keep;                /* of cells_find_keep, for the fluxes of heat; NULL where no r is not 0 */
     double *face[3];                     /* lambda, shear, heat times the area */
     double *inverse;                     /* 1/(n.e) */
     double *share;         /* fraction of the way from the left centre to the right one that lies before the face */
     double *rest[MAX_DIM]; /* r = n - e/(n.e) */
     bool skewed;           /* is any r not 0? */
-    bool marked;           /* is any mark up? */
     int last;              /* which of the two sums is that of the last stage */
     struct rows weights;   /* of the gradients */
 };

@@ -71,10 +71,6 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(d->cell, 3, size));
     TRY(lines_allocate(&d->T, 1, size));
     TRY(lines_allocate(&d->warm, 1, size));
-    TRY(allocate(&g->diffusion.friction, 1, sizeof *g->diffusion.friction, "diffusion"));
-    TRY(allocate(&g->diffusion.cooled, 1, sizeof *g->diffusion.cooled, "diffusion"));
-    TRY(lines_allocate(g->diffusion.friction, 1, size));
-    TRY(lines_allocate(g->diffusion.cooled, 1, size));
     TRY(lines_allocate(&d->wall.drag, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.heat, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.lift, 1, m->mirror.n));
@@ -86,7 +82,6 @@ status cells_diffuser_make(struct gas *g) {
     }
     if (g->diffusion.terms.cross) TRY(cells_cross_make(g, d));
     if (g->diffusion.terms.dilation) TRY(lines_allocate(&d->dilation, 1, size));
-    TRY(lines_allocate(&d->mark, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
     TRY(lines_allocate(d->rest, g->dim, faces));
     TRY(lines_allocate(&d->inverse, 1, faces));
@@ -116,7 +111,6 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     free(d->wall.denser);
     free(d->cross);
     free(d->dilation);
-    free(d->mark);
     free(d->alike);
     free(d->keep);
     free(d->inverse);
@@ -385,10 +379,12 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
         }
         for (int i = 0; i < 3; i++) f.face[i] = d->face[i] + at;
         for (int v = 0; v <= g->components; v++) out[v] = c->flux[v] + at;
-        const bool heat = what == HEAT && d->keep;
-        for (int i = 0; i < f.n && (c->flagged || heat); i++)
-            keep[i] = c->flagged && c->flag[f.left[i]] + c->flag[f.right[i]] > 0 ? 0 : heat ? d->keep[at + i] : 1;
-        if (c->flagged || heat) f.keep = keep;
+        const bool heat = what == HEAT && d->keep, flagged = g->flags.blocks[0];
+        for (int i = 0; i < f.n && (flagged || heat); i++)
+            keep[i] = flagged && g->flags.cells[0][f.left[i]] + g->flags.cells[0][f.right[i]] > 0 ? 0
+                      : heat                                                                      ? d->keep[at + i]
+                                                                                                  : 1;
+        if (flagged || heat) f.keep = keep;
         faces_of[g->dim - 1][g->components - g->dim](
             what, &f, d->sum[d->last], what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
     }
@@ -475,7 +471,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
                          double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     const struct polyhedra *m = g->cells->polyhedra;
-    double *in[MAX_VAR], *out[MAX_VAR], bad[BATCH];
+    double *in[MAX_VAR], *out[MAX_VAR];
     long count = 0;
     cells_lines(g, Y0, in);
     cells_lines(g, to, out);
@@ -485,26 +481,12 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         end_batch(g, what, in, out, dt, at, n);
-        if (!find_bad(n, g->components, m->size, g->limits.least, g->limits.most, out[0] + at, bad)) continue;
-        for (int i = 0; i < n; i++) {
-            d->mark[at + i] += bad[i];
-            count += bad[i] > 0;
-        }
+        count += row_inadmissible(g, to->block[0], at, n, g->flags.mark[0]);
     }
-    d->marked |= count > 0;
+    g->flags.marked |= count > 0;
     return count;
 }
 
-long cells_diffusion_flags(struct gas *g, bool keep) {
-    struct cells *c = g->cells;
-    struct cells_diffuser *d = c->diffuser;
-    for (int i = 0; i < c->polyhedra->nown && d->marked; i++) {
-        if (keep) c->flag[i] += d->mark[i];
-        d->mark[i] = 0;
-    }
-    d->marked = false;
-    if (!keep) return 0;
-    const long flagged = cells_share_flags(g);
-    if (d->cross) cells_cross_drop(g);
-    return flagged;
+void cells_diffusion_plain(struct gas *g) {
+    if (g->cells->diffuser->cross) cells_cross_drop(g);
 }

@@ -232,7 +232,7 @@ status cells_rest(struct gas *g, const bool *rests) {
     r->finds = KNOWN;
     note_faces(g);
     note_walls(g);
-    cells_clear_flags(g);
+    flags_clear(g);
     leave_open(g);
     g->counts.computed = computed;
     g->counts.all = all;

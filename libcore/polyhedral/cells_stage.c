@@ -308,11 +308,11 @@ static void feed(struct gas *g, int first, int last, const double *const *U) {
 
 /* Limits the fluxes through faces first <= i < last, all of one patch or all internal, of flagged cells. */
 static void limit_run(struct gas *g, int first, int last, const double *const *U, struct points *p) {
-    const struct cells *c = g->cells;
-    const struct polyhedra_faces *f = &c->polyhedra->face;
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const double *flag = g->flags.cells[0];
     p->n = 0;
     for (int face = first; face < last; face++)
-        if (c->flag[f->left[face]] + c->flag[f->right[face]] > 0) p->face[p->n++] = face;
+        if (flag[f->left[face]] + flag[f->right[face]] > 0) p->face[p->n++] = face;
     if (p->n) limit_batch(g, U, p);
 }
 
@@ -329,7 +329,7 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
             for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
                 if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
         batch_fluxes(g, first, end, U, &p);
-        if (c->flagged) limit_run(g, first, end, U, &p);
+        if (g->flags.blocks[0]) limit_run(g, first, end, U, &p);
         if (g->patches.fed && patch >= 0 && patch_feeds(&g->patches.rules[patch])) feed(g, first, end, U);
     }
 }
@@ -368,7 +368,8 @@ static void update_chunk(struct stage *t, int at) {
     const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
     double residuals[MAX_VAR][BATCH];
     const double *falls = g->falling.cells && g->falling.blocks[0] ? g->falling.cells[0] + at : NULL,
-                 *flag = c->flagged ? c->flag + at : NULL, *part = g->step.hybrid ? g->dense->part[0] + at : NULL;
+                 *flag = g->flags.blocks[0] ? g->flags.cells[0] + at : NULL,
+                 *part = g->step.hybrid ? g->dense->part[0] + at : NULL;
     const struct advance s = {.U0 = t->U0->block[0] + at,
                               .from = t->from->block[0] + at,
                               .residual = residuals[0],
@@ -388,7 +389,7 @@ static void update_chunk(struct stage *t, int at) {
     update_rows(g, n, &s);
     if (g->falling.cells && flag) drop_row(g, n, &s, falls, flag, part, g->falling.dropped + at);
     if (part) freeze_row(g, n, &s, part);
-    t->count += row_limited(g, n, s.from, s.to, c->flag + at);
+    t->count += row_limited(g, n, s.from, s.to, g->flags.cells[0] + at);
 }
 
 /* Updates the chunks that turns from <= k < to of the sweep make ready. */
@@ -405,7 +406,7 @@ static void sweep(struct stage *t) {
     for (int k = 0; k < s->n; k++) {
         fit_cells(c->fit, k ? s->cells[k - 1] : 0, s->cells[k], t->U);
         face_fluxes(t->g, k ? s->faces[k - 1] : 0, s->faces[k], t->U);
-        if (!c->flagged) update_chunks(t, k, k + 1);
+        if (!t->g->flags.blocks[0]) update_chunks(t, k, k + 1);
     }
 }
 
@@ -417,7 +418,7 @@ static long finish_sweep(struct stage *t) {
     fit_cells(c->fit, m->ninner, m->nnear, t->U);
     face_fluxes(g, m->face.nlocal, m->face.ninternal, t->U);
     face_fluxes(g, m->face.ninternal, m->face.n, t->U);
-    update_chunks(t, c->flagged ? 0 : c->sweep.n, c->sweep.n + 1);
+    update_chunks(t, g->flags.blocks[0] ? 0 : c->sweep.n, c->sweep.n + 1);
     g->counts.computed += m->nown;
     g->counts.all += m->nown;
     return t->count;
@@ -463,21 +464,4 @@ void cells_redo(struct gas *g, const struct state *U0, const struct state *from,
     drop_begin(g);
     sweep(&t);
     (void)finish_sweep(&t);
-}
-
-long cells_share_flags(struct gas *g) {
-    struct cells *c = g->cells;
-    double *line[1] = {c->flag};
-    long count = 0;
-    for (int i = 0; i < c->polyhedra->nown; i++) count += c->flag[i] > 0;
-    comm_sum_long(g->comm, &count, 1);
-    polyhedra_fill_start(c->polyhedra, 1, line);
-    polyhedra_fill_finish(c->polyhedra);
-    c->flagged = count > 0;
-    return count;
-}
-
-void cells_clear_flags(struct gas *g) {
-    memset(g->cells->flag, 0, (size_t)g->cells->polyhedra->size * sizeof(double));
-    g->cells->flagged = false;
 }

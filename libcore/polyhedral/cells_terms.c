@@ -70,7 +70,7 @@ void cells_cross_drop(struct gas *g) {
     const struct cells *c = g->cells;
     const struct polyhedra_faces *f = &c->polyhedra->face;
     for (int i = 0; i < f->n; i++)
-        if (c->flag[f->left[i]] + c->flag[f->right[i]] > 0) c->diffuser->cross[i] = 0;
+        if (g->flags.cells[0][f->left[i]] + g->flags.cells[0][f->right[i]] > 0) c->diffuser->cross[i] = 0;
 }
 
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {

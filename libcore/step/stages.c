@@ -119,17 +119,17 @@ static bool stages_begin(struct gas *g, struct attempt *a) {
 static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt) {
     long cells, before = 0;
-    for (; (cells = g->engine->stage.share_flags(g)) > before && !asked_to_leave(g); before = cells)
+    for (; (cells = flags_share(g)) > before && !asked_to_leave(g); before = cells)
         g->engine->stage.redo(g, U0, from, to, a, dt);
     books_limited(g, (1 - a) * g->floors.share);
     long count[2] = {g->limits.faces, floors_apply(g, to)};
     comm_sum_long(g->comm, count, 2);
     g->counts.now.cells += cells;
     g->counts.now.faces += count[0];
-    if (g->step.asked && !g->step.held) g->engine->stage.hold_limited(g, false);
+    if (g->step.asked && !g->step.held) flags_hold(g, false);
     g->step.held = g->step.asked;
-    g->engine->stage.note_limited(g, g->counts.now.place);
-    g->engine->stage.clear_flags(g);
+    flags_note(g, g->counts.now.place);
+    flags_clear(g);
     return count[1] == 0 && !g->step.left;
 }
 
@@ -162,7 +162,7 @@ static bool stages_end(struct gas *g, struct attempt *a) {
     if (a->guarded) a->bad = 0;
     if (!g->step.hybrid) return true;
     if (any_rank(g, a->bad)) {
-        g->engine->stage.clear_flags(g);
+        flags_clear(g);
         return false;
     }
     (void)dense_put(g, &g->V);

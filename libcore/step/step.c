@@ -31,9 +31,9 @@ static double shorter(struct gas *g, const struct state *U0, double dt, double m
 
 /* Ends a step that is left: the state is still that at its start, and so become the counts. */
 static status leave(struct gas *g, const struct gas_counts *start, double *dt) {
-    if (g->step.held) g->engine->stage.hold_limited(g, true);
+    if (g->step.held) flags_hold(g, true);
     g->counts.now = *start;
-    g->engine->stage.clear_flags(g);
+    flags_clear(g);
     *dt = 0;
     return OK;
 }

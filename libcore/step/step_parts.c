@@ -76,7 +76,7 @@ static bool end_all(struct walk *w) {
 static bool end_unguarded(struct gas *g, const struct attempt *a) {
     if (!speed_share(g, &a->ending.speed, a->bad > 0)) {
         g->step.guarded = GUARDED;
-        g->engine->stage.clear_flags(g);
+        flags_clear(g);
         return false;
     }
     g->step.speed_known = a->at_once;

@@ -114,9 +114,9 @@ static double largest_step(struct gas *g) {
 
 static void flag_all(struct gas *g) {
     for (int t = 0; g->forest && t < g->forest->ntiles; t++)
-        for (long i = 0; i < g->forest->size; i++) g->tiles->flag[t][i] = 1;
-    for (int i = 0; g->cells && i < g->cells->polyhedra->nown; i++) g->cells->flag[i] = 1;
-    (void)g->engine->stage.share_flags(g);
+        for (long i = 0; i < g->forest->size; i++) g->flags.cells[t][i] = 1;
+    for (int i = 0; g->cells && i < g->cells->polyhedra->nown; i++) g->flags.cells[0][i] = 1;
+    (void)flags_share(g);
 }
 
 /* U <- an Euler stage from U (a, U0: of a Runge-Kutta stage) with every face limited; dt 0: as large as K <= 1 allows.
@@ -131,7 +131,7 @@ static long limited_stage(struct gas *g, struct state *U0, double a, double dt) 
     if (dt == 0) dt = largest_step(g);
     flag_all(g);
     g->engine->stage.redo(g, U0, &g->U, &g->W, a, dt);
-    g->engine->stage.clear_flags(g);
+    flags_clear(g);
     struct state old = g->U;
     g->U = g->W;
     g->W = old;
