@@ -4,6 +4,8 @@
 #ifndef LIBCORE_ENGINE_H
 #define LIBCORE_ENGINE_H
 
+#include <limits.h>
+
 #include "libcore/gas/tally.h"
 
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
@@ -46,13 +48,6 @@ struct ending {                        /* the work that follows the last stage o
 };
 
 enum diffusing { VISCOUS, HEAT };
-
-struct links { /* links of this rank's cells to the cells across their faces */
-    int cells;
-    int *first;     /* [cells + 1] where the links of a cell begin in `column` */
-    int *column;    /* numbers over all ranks: the cell itself, then the cells it is linked to, perhaps twice */
-    bool symmetric; /* is the operator of heat symmetric, on all ranks? */
-};
 
 struct state_hooks {
     /* make allocates the states and the work memory of g, whose other members are set; free also undoes a make that
@@ -141,18 +136,21 @@ struct diffusion_hooks {
     void (*plain)(struct gas *g);
 };
 
-/* The systems of implicit diffusion (libcore/gas/implicit.h). */
+/* The systems of implicit diffusion (libcore/gas/implicit.c). */
 struct implicit_hooks {
-    /* Lists for each cell of this rank the cells that it is linked to. */
-    status (*pattern)(struct gas *g, struct links *out);
-    /* Computes A = diag(mass) - factor V L, without the coupling between the components of a velocity: mass [cells], E
-     * [cells] (energy of a cell), weight [unknowns][links]: for each unknown, for each cell, the entry of the cell
-     * itself, then those of its links. The lattice, whose volumes V are all the same, leaves V out. */
-    void (*matrix)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass, double *E,
-                   double *weight);
-    /* Copies x [cells][unknowns] to the last S, or from it. */
-    void (*move)(struct gas *g, enum diffusing what, double *x, bool to_sums);
+    /* Returns the place in a block of the cell or ghost across the k-th face of a cell, ~place beyond a patch; NO_FACE:
+     * the cell has no more faces. */
+    long (*across)(const struct gas *g, int block, long at, int k);
+    /* Returns line c of the last S of a block. */
+    double *(*sum)(const struct gas *g, int block, int c);
+    /* Fills the last S beyond patches as if these gave values of 0. */
+    void (*beyond)(struct gas *g, enum diffusing what);
+    /* Returns per times component c of the flux that a jump of S between its cells makes through the k-th face of a
+     * cell, without what couples components within the gas. */
+    double (*weight)(const struct gas *g, enum diffusing what, double per, int block, long at, int k, int c,
+                     const double jump[MAX_DIM]);
 };
+#define NO_FACE LONG_MIN
 
 /* What a cell is to the bed of a step with implicit acoustics (libcore/gas/dense.c): dense cells, hard ones among them,
  * the neighbours of hard ones, and two rings around these. The Runge-Kutta stages leave the inner parts, frozen and up,

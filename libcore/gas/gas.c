@@ -11,10 +11,15 @@ static void list_lines(struct gas *g, double ***line[7]) {
     memcpy(line, all, sizeof all);
 }
 
-static status make_line(const struct gas *g, double ***out) {
+status line_make(const struct gas *g, double ***out) {
     TRY(allocate(out, g->blocks, sizeof **out, "the gas"));
     for (int b = 0; b < g->blocks; b++) TRY(allocate(&(*out)[b], g->size + SLACK, sizeof(double), "the gas"));
     return OK;
+}
+
+void line_free(const struct gas *g, double **line) {
+    for (int b = 0; line && b < g->blocks; b++) free(line[b]);
+    free(line);
 }
 
 static status make_lines(struct gas *g) {
@@ -22,7 +27,7 @@ static status make_lines(struct gas *g) {
     double ***line[7];
     list_lines(g, line);
     for (int i = 0; i < 7; i++)
-        if (i < 3 || (i < 6 ? g->models.transport != NULL : falls)) TRY(make_line(g, line[i]));
+        if (i < 3 || (i < 6 ? g->models.transport != NULL : falls)) TRY(line_make(g, line[i]));
     TRY(allocate(&g->flags.blocks, g->blocks, sizeof *g->flags.blocks, "the gas"));
     TRY(allocate(&g->volumes.sums, (long)g->nvar * grid_blocks(g), sizeof *g->volumes.sums, "the gas"));
     if (falls) TRY(allocate(&g->falling.dropped, g->floors.places, sizeof *g->falling.dropped, "the gas"));
@@ -33,10 +38,7 @@ static status make_lines(struct gas *g) {
 static void free_lines(struct gas *g) {
     double ***line[7];
     list_lines(g, line);
-    for (int i = 0; i < 7; i++) {
-        for (int b = 0; *line[i] && b < g->blocks; b++) free((*line[i])[b]);
-        free(*line[i]);
-    }
+    for (int i = 0; i < 7; i++) line_free(g, *line[i]);
     free(g->flags.blocks);
     free(g->volumes.sums);
     free(g->falling.dropped);

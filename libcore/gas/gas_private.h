@@ -84,7 +84,7 @@ struct limits { /* of admissible states, and the limiting of fluxes that keeps t
     long faces;                            /* faces limited in the last redo, on this rank */
 };
 
-struct flags {        /* of cells whose faces are to be limited (libcore/gas/flags.c) */
+struct limit_flags {  /* of cells whose faces are to be limited (libcore/gas/flags.c) */
     double **cells;   /* [blocks][size] > 0 where they are (numbers travel like variables) */
     bool *blocks;     /* [blocks] does the block, or its ghosts that are NEAR_CELLS, hold a flag? */
     double **limited; /* [blocks][size] how often the faces of a cell were limited */
@@ -121,6 +121,7 @@ struct half_diffusion {           /* the half step of diffusion in hand; with tr
     struct transport_terms terms; /* what the transport law asks for */
     double pull[MAX_DIM];         /* m/s^2: mean acceleration by the sources */
     bool late;                    /* is it in the second half of the step, before cooling? */
+    bool oblique;                 /* is a line of centres oblique to its face, so that heat is not symmetric? */
     bool ahead;                   /* are the coefficients those at the end of the half step (diffusion.c)? */
     double **friction;            /* [blocks][size] rise of T by the stress, less cooled; 0 in ghosts */
     double **cooled;              /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
@@ -177,7 +178,7 @@ struct gas {
     struct patches patches;
     struct stepping step;
     struct limits limits;
-    struct flags flags;
+    struct limit_flags flags;
     struct floors floors;
     struct falling falling;
     struct half_diffusion diffusion;
@@ -217,9 +218,6 @@ struct lapse {    /* one step of stress or conduction */
  * Returns this rank's number of cells that are not admissible: all, if the system was not solved. */
 long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,
                    const struct lapse *l, bool monotone);
-
-/* Sets *first to the number, over all ranks, of this rank's first cell, for the patterns of implicit diffusion. */
-status implicit_first(const struct gas *g, int cells, long *first);
 
 /* ---- implicit acoustics of dense cells (libcore/gas/dense.c) ---- */
 
@@ -272,6 +270,10 @@ status stop_of_diffusion(struct gas *g, double t);
 bool asked_to_leave(struct gas *g);
 /* Returns the error of a dt so short that t + dt is t, or all but t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
+
+/* Allocates a line of all blocks. */
+status line_make(const struct gas *g, double ***out);
+void line_free(const struct gas *g, double **line);
 
 /* ---- flags of cells (libcore/gas/flags.c) ---- */
 

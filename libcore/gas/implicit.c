@@ -13,6 +13,13 @@ enum {
     CORRECTIONS = 20 /* most iterations for the mean of two coupled stages; five are common */
 };
 
+struct links { /* links of this rank's cells to the cells across their faces */
+    int cells;
+    int *first;     /* [cells + 1] where the links of a cell begin in `column` */
+    int *column;    /* numbers over all ranks: the cell itself, then the cells it is linked to, perhaps twice */
+    bool symmetric; /* is the operator of heat symmetric, on all ranks? */
+};
+
 struct problem { /* one of the two linear systems */
     struct gas *gas;
     enum diffusing what;
@@ -33,7 +40,33 @@ struct implicit {
     double *b, *d;                 /* [rows] right side and solution of the linear system */
 };
 
+static int unknowns_of(const struct gas *g, enum diffusing what) {
+    return what == VISCOUS ? g->components : 1;
+}
+
 /* ---- the systems as functions ---- */
+
+struct moving {
+    struct gas *g;
+    int lines;
+    double *x;
+    bool to_sums;
+};
+
+static void move_row(void *moving, const struct row *row) {
+    struct moving *m = moving;
+    for (int c = 0; c < m->lines; c++) {
+        double *S = m->g->engine->implicit.sum(m->g, row->block, c) + row->at;
+        for (int i = 0; i < row->n; i++)
+            *(m->to_sums ? &S[i] : &m->x[i * m->lines + c]) = m->to_sums ? m->x[i * m->lines + c] : S[i];
+    }
+    m->x += row->n * m->lines;
+}
+
+/* Copies x [cells][unknowns] to the last S, or from it. */
+static void move(struct gas *g, enum diffusing what, double *x, bool to_sums) {
+    g->engine->state.rows(g, EVERY_CELL, NULL, move_row, &(struct moving){g, unknowns_of(g, what), x, to_sums});
+}
 
 /* Computes y = gamma dt L x/rho, of x alone or with the values given at the edges. S is gamma dt x, so that the
  * round-off of (q_0 + L S/rho) - q_0 is small beside it. */
@@ -41,9 +74,9 @@ static void operate(const struct problem *p, const double *x, bool edges, double
     const double only[5] = {0, 0, 1, -1, 0}; /* gives L S/rho without q_0 */
     struct gas *g = p->gas;
     for (int k = 0; k < p->system.rows; k++) y[k] = p->factor * x[k];
-    g->engine->implicit.move(g, p->what, y, true);
+    move(g, p->what, y, true);
     g->engine->diffusion.stage(g, p->what, p->Y0, only, edges ? p->factor : 0);
-    g->engine->implicit.move(g, p->what, y, false);
+    move(g, p->what, y, false);
 }
 
 /* Computes y = A x = mass (x - gamma dt L x/rho). */
@@ -76,7 +109,8 @@ static double error_of(const void *caller, const double *x, const double *residu
 
 /* ---- set-up ---- */
 
-status implicit_first(const struct gas *g, int cells, long *first) {
+/* Sets *first to the number, over all ranks, of this rank's first cell. */
+static status first_number(const struct gas *g, int cells, long *first) {
     const int size = comm_size(g->comm), rank = comm_rank(g->comm);
     long *count;
     TRY(allocate(&count, size, sizeof *count, "the counts of all ranks"));
@@ -86,6 +120,55 @@ status implicit_first(const struct gas *g, int cells, long *first) {
     for (int r = 0; r < rank; r++) *first += count[r];
     free(count);
     return OK;
+}
+
+struct linking { /* context of the visitors of rows that number and link cells */
+    const struct gas *g;
+    double **number;
+    int cells, links; /* their numbers on this rank */
+    struct links *out;
+};
+
+static void number_row(void *linking, const struct row *row) {
+    struct linking *l = linking;
+    for (int i = 0; i < row->n; i++) {
+        l->number[row->block][row->at + i] = l->cells++;
+        for (int k = 0; l->g->engine->implicit.across(l->g, row->block, row->at + i, k) != NO_FACE; k++) l->links++;
+    }
+}
+
+static void link_row(void *linking, const struct row *row) {
+    struct linking *l = linking;
+    const double *number = l->number[row->block];
+    struct links *out = l->out;
+    for (int i = 0; i < row->n; i++) {
+        int n = out->first[out->cells];
+        long other;
+        out->column[n++] = (int)number[row->at + i];
+        for (int k = 0; (other = l->g->engine->implicit.across(l->g, row->block, row->at + i, k)) != NO_FACE; k++)
+            if (other >= 0) out->column[n++] = (int)number[other];
+        out->first[++out->cells] = n;
+    }
+}
+
+/* Lists for each cell of this rank, in the order of rows, the cells that it is linked to. */
+static status make_links(const struct gas *g, struct links *out) {
+    struct linking l = {.g = g, .out = out};
+    double oblique = g->diffusion.oblique;
+    long first = 0;
+    comm_max(g->comm, &oblique, 1);
+    out->symmetric = oblique == 0;
+    TRY(line_make(g, &l.number));
+    g->engine->state.rows(g, EVERY_CELL, NULL, number_row, &l);
+    status s = first_number(g, l.cells, &first);
+    if (!s) s = allocate(&out->first, l.cells + 1, sizeof(int), "the links of cells");
+    if (!s) s = allocate(&out->column, l.cells + l.links, sizeof(int), "the links of cells");
+    for (int b = 0; b < g->blocks; b++)
+        for (long i = 0; i < g->size; i++) l.number[b][i] += (double)first;
+    g->engine->state.fill(g, 1, l.number);
+    if (!s) g->engine->state.rows(g, EVERY_CELL, NULL, link_row, &l);
+    line_free(g, l.number);
+    return s;
 }
 
 /* Returns the place of number k among n in ascending order; equal numbers share one place. */
@@ -104,7 +187,7 @@ static status problem_make(struct implicit *m, struct gas *g, enum diffusing wha
     struct problem *p = &m->problem[what];
     struct linear_system *s = &p->system;
     const struct links *l = &m->links;
-    const int unknowns = what == VISCOUS ? g->components : 1, links = l->first[l->cells];
+    const int unknowns = unknowns_of(g, what), links = l->first[l->cells];
     p->gas = g;
     p->what = what;
     *s = (struct linear_system){.comm = comm_handle(g->comm),
@@ -143,7 +226,7 @@ static status make_parts(struct implicit *m, struct gas *g) {
     m->module = g->models.linear;
     if (!m->module)
         return fail(ERR_INPUT, "diffusion implicit: it wants a solver of linear systems, and none was given");
-    TRY(g->engine->implicit.pattern(g, &m->links));
+    TRY(make_links(g, &m->links));
     const long cells = m->links.cells, rows = cells * g->components;
     TRY(allocate(&m->weight, m->links.first[cells] * (long)g->components, sizeof(double), "a linear system"));
     TRY(allocate(&m->mass, cells, sizeof(double), "a linear system"));
@@ -180,11 +263,72 @@ void implicit_free(struct implicit *m) {
 
 /* ---- one step ---- */
 
+struct weighing { /* context of matrix_row: the entries of unknown c, and where the next ones go */
+    const struct problem *p;
+    int c;
+    double per, *mass, *energy, *weight;
+};
+
+/* Sets the last S of a row to 1 in unknown c, to 0 in others. */
+static void unit_row(void *weighing, const struct row *row) {
+    const struct weighing *w = weighing;
+    const struct gas *g = w->p->gas;
+    for (int c = 0; c < w->p->system.unknowns; c++) {
+        double *S = g->engine->implicit.sum(g, row->block, c) + row->at;
+        for (int i = 0; i < row->n; i++) S[i] = c == w->c;
+    }
+}
+
+/* Writes the weights of the links of a cell; S is that of unit_row, and what follows from it beyond patches. */
+static void weigh_cell(struct weighing *w, int block, long at, double mass) {
+    const struct problem *p = w->p;
+    const struct implicit_hooks *hooks = &p->gas->engine->implicit;
+    double *self = w->weight++, sum = mass;
+    long other;
+    for (int k = 0; (other = hooks->across(p->gas, block, at, k)) != NO_FACE; k++) {
+        double jump[MAX_DIM] = {0};
+        jump[w->c] = 1;
+        for (int c = 0; c < p->system.unknowns && other < 0; c++) jump[c] -= hooks->sum(p->gas, block, c)[~other];
+        const double weight = hooks->weight(p->gas, p->what, w->per, block, at, k, w->c, jump);
+        sum += weight;
+        if (other >= 0) *w->weight++ = -weight;
+    }
+    *self = sum;
+}
+
+static void matrix_row(void *weighing, const struct row *row) {
+    struct weighing *w = weighing;
+    const struct gas *g = w->p->gas;
+    const double *U = w->p->Y0->block[row->block];
+    for (int i = 0; i < row->n; i++) {
+        const long at = row->at + i;
+        const double volume = g->volumes.each ? g->volumes.each[at] : 1;
+        *w->energy++ = volume * U[(g->components + 1) * g->size + at];
+        *w->mass = volume * U[at];
+        weigh_cell(w, row->block, at, *w->mass++);
+    }
+}
+
+/* Computes A = diag(mass) - factor V L, without the coupling between the components of a velocity; on a lattice, whose
+ * volumes V are all the same, without V. For each unknown, for each cell, the entry of the cell itself comes first,
+ * then those of its links; m->limit gets the energy of a cell. The last S is free at this time. */
+static void find_matrix(struct implicit *m, struct problem *p) {
+    struct gas *g = p->gas;
+    struct weighing w = {.p = p, .per = p->factor, .weight = m->weight};
+    if (p->what == HEAT) w.per = temperature_of(&g->models.material, p->factor);
+    for (w.c = 0; w.c < p->system.unknowns; w.c++) {
+        w.mass = m->mass;
+        w.energy = m->limit;
+        g->engine->state.rows(g, EVERY_CELL, NULL, unit_row, &w);
+        g->engine->implicit.beyond(g, p->what);
+        g->engine->state.rows(g, EVERY_CELL, NULL, matrix_row, &w);
+    }
+}
+
 /* Computes the matrix at Y0 and hands it to the module; returns NULL or the text of an error. */
 static const char *prepare(struct implicit *m, struct problem *p) {
-    struct gas *g = p->gas;
     const int links = m->links.first[m->links.cells] * p->system.unknowns;
-    g->engine->implicit.matrix(g, p->what, p->Y0, p->factor, m->mass, m->limit, m->weight);
+    find_matrix(m, p);
     for (int i = 0; i < m->links.cells; i++) m->limit[i] = sqrt(2 * fabs(m->limit[i]) / m->mass[i]);
     memset(p->system.value, 0, (size_t)links * sizeof(double));
     for (int i = 0; i < links; i++) p->system.value[p->place[i]] += m->weight[i];
@@ -309,9 +453,9 @@ static bool stages(struct implicit *m, struct problem *p, enum implicit_scheme s
 static void take_start(struct implicit *m, struct problem *p, const struct lapse *l) {
     const struct engine *engine = p->gas->engine;
     engine->diffusion.begin(p->gas, p->what, p->Y0, 1, 0);
-    engine->implicit.move(p->gas, p->what, m->source, false);
+    move(p->gas, p->what, m->source, false);
     engine->diffusion.begin(p->gas, p->what, p->Y0, 1, l->rest);
-    engine->implicit.move(p->gas, p->what, m->q, false);
+    move(p->gas, p->what, m->q, false);
     for (int k = 0; k < p->system.rows; k++)
         m->source[k] = l->rest > 0 ? l->part / l->rest * (m->source[k] - m->q[k]) : 0;
 }
@@ -329,7 +473,7 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
     take_start(m, p, l);
     const bool solved = !prepare(m, p) && stages(m, p, scheme, gamma);
     for (int k = 0; k < p->system.rows; k++) m->mean[k] = solved ? l->dt * m->mean[k] : NAN;
-    g->engine->implicit.move(g, what, m->mean, true);
+    move(g, what, m->mean, true);
     if (!monotone) renew_patches(g, l->t + 0.5 * l->dt); /* the mean of all stages acts at the middle */
     return g->engine->diffusion.end(g, what, Y0, to, l->dt, l->dt);
 }

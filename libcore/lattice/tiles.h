@@ -102,10 +102,11 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt);
 void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
 void tiles_diffusion_plain(struct gas *g);
-status tiles_implicit_pattern(struct gas *g, struct links *out);
-void tiles_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *rho,
-                           double *E, double *weight);
-void tiles_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums);
+long tiles_implicit_across(const struct gas *g, int tile, long at, int k);
+double *tiles_implicit_sum(const struct gas *g, int tile, int c);
+void tiles_implicit_beyond(struct gas *g, enum diffusing what);
+double tiles_implicit_weight(const struct gas *g, enum diffusing what, double per, int tile, long at, int k, int c,
+                             const double jump[MAX_DIM]);
 
 status blocks_make(const struct forest *f, int nvar, double ***out);
 void blocks_free(const struct forest *f, double **blocks);

@@ -85,6 +85,10 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     put_edge(size, e, lines, ghost, S);
 }
 
+void tiles_implicit_beyond(struct gas *g, enum diffusing what) {
+    for (int t = 0; t < g->forest->ntiles; t++) edges_visit(g, t, sum_edge, &(struct fill){what, 0});
+}
+
 /* Ghosts of the derivatives along a patch: they follow its rule for velocity. */
 static void gradient_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const long size = g->forest->size;

@@ -217,9 +217,10 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt);
 void cells_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
 void cells_diffusion_plain(struct gas *g);
-status cells_implicit_pattern(struct gas *g, struct links *out);
-void cells_implicit_matrix(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double *mass,
-                           double *E, double *weight);
-void cells_implicit_move(struct gas *g, enum diffusing what, double *x, bool to_sums);
+long cells_implicit_across(const struct gas *g, int block, long at, int k);
+double *cells_implicit_sum(const struct gas *g, int block, int c);
+void cells_implicit_beyond(struct gas *g, enum diffusing what);
+double cells_implicit_weight(const struct gas *g, enum diffusing what, double per, int block, long at, int k, int c,
+                             const double jump[MAX_DIM]);
 
 #endif

@@ -87,6 +87,7 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(&d->inverse, 1, faces));
     TRY(lines_allocate(&d->share, 1, faces));
     measure_faces(m, d);
+    g->diffusion.oblique = d->skewed;
     if (d->skewed) TRY(lines_allocate(&d->alike, 1, size));
     if (d->skewed) TRY(lines_allocate(&d->keep, 1, faces));
     return cells_gradient_weights(g, &d->weights);
