@@ -33,9 +33,8 @@ import numpy as np
 import haff
 from haff import command
 from haff.case.geometry import Geometry
-from haff.openfoam import rhocentral
 from haff.paths import folder_of_programs, measured_by, of_source
-from studies.made import twin
+from studies.made import rhocentral, twin
 from studies.measured import comparison
 from studies.measured.comparison import FIELDS
 

@@ -8,12 +8,11 @@ import tempfile
 import numpy as np
 
 import haff
-from haff.case import boxes
 from haff.paths import program
 from studies.denseTubes import DEFAULTS, OFF, ON, finish
 from studies.exact.eos import GoldshteinShapiro, PerfectGas
 from studies.exact.obliqueShock import ObliqueShock
-from studies.made import triangles
+from studies.made import boxes, triangles
 from studies.measured import shocks
 
 

@@ -10,10 +10,10 @@ import tempfile
 import numpy as np
 
 import haff
-from haff.case import boxes
 from haff.paths import program
 from studies.exact.eos import GoldshteinShapiro, PerfectGas
 from studies.exact.riemann import Riemann, Wave, bisect
+from studies.made import boxes
 
 ON = "commonCoeffs { shocks on; expansions on; contacts on; }\n"
 OFF = "commonCoeffs { shocks off; expansions off; contacts off; fronts off; }\n"

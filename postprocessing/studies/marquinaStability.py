@@ -16,9 +16,9 @@ import numpy as np
 
 import haff
 from haff import command
-from haff.case import boxes
 from haff.paths import measured_by, program
 from studies.exact.eos import GoldshteinShapiro
+from studies.made import boxes
 
 
 

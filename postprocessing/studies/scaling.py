@@ -23,7 +23,7 @@ import tempfile
 from dataclasses import dataclass
 
 from haff import command
-from haff.case.boxes import write_dictionary
+from haff.case.foam import write_dictionary
 from haff.paths import program
 from haff.runs import copies
 from haff.runs.run import Children, application, error_text, make_mesh

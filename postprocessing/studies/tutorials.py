@@ -26,14 +26,14 @@ import haff
 from haff import command
 from haff.case import entries
 from haff.case.geometry import Geometry
-from haff.openfoam import dictionary, fromOpenFOAM, rhocentral
+from haff.openfoam import dictionary, fromOpenFOAM
 from haff.openfoam.gas import Gas
 from haff.openfoam.report import Report
 from haff.paths import of_source, program
 from studies.crossCheck import order, timed
 from studies.exact.eos import PerfectGas
 from studies.exact.riemann import Riemann
-from studies.made import twin
+from studies.made import rhocentral, twin
 from studies.measured import comparison
 from studies.measured.comparison import FIELDS
 

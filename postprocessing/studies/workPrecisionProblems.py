@@ -12,12 +12,11 @@ import tempfile
 import numpy as np
 
 import haff
-from haff.case import boxes
 from studies import denseTubes
 from studies.exact.eos import GoldshteinShapiro, PerfectGas
 from studies.exact.riemann import BLAST, Riemann
 from studies.exact.simpleWave import SimpleWave
-from studies.made import triangles
+from studies.made import boxes, triangles
 
 THICK = 0.1
 

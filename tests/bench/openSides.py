@@ -18,7 +18,7 @@ import numpy as np
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 sys.path.insert(0, os.path.join(ROOT, "postprocessing"))
 import haff  # noqa: E402
-from haff.case import boxes  # noqa: E402
+from studies.made import boxes  # noqa: E402
 
 CELLS, GAMMA, SMALL, MACH = 400, 5 / 3, 1e-4, 0.23
 X = (np.arange(CELLS) + 0.5) / CELLS

@@ -13,9 +13,10 @@ os.environ["PYTHONPATH"] = os.path.join(SOURCE, "postprocessing")  # of the comm
 sys.path.insert(0, os.environ["PYTHONPATH"])
 
 import haff  # noqa: E402
-from haff.case import boxes, entries as dictionary  # noqa: E402
-from haff.case.boxes import box_case, write_dictionary  # noqa: E402
+from haff.case import entries as dictionary  # noqa: E402
 from haff.runs import expected  # noqa: E402
+from studies.made import boxes  # noqa: E402
+from studies.made.boxes import box_case, write_dictionary  # noqa: E402
 
 
 def program(name, *arguments, ranks=1, check=True, timeout=900):

@@ -16,8 +16,7 @@ import warnings
 from tests.cases import harness
 from tests.cases.harness import haff
 
-from haff import __main__ as haff_main
-from haff import command
+from haff import __main__ as haff_main, command
 from haff.plot import script
 
 STUDIES = "faradayDiagram faradayOnset workPrecision denseShocks scaling marquinaStability segregationPrecision figure1 riemann obliqueShock layer segregation checkCases serna muI".split()

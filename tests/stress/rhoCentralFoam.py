@@ -23,8 +23,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 sys.path.insert(0, os.path.join(ROOT, "postprocessing"))
 
 import haff  # noqa: E402
-from haff.case import boxes  # noqa: E402
-from haff.openfoam import rhocentral  # noqa: E402
+from studies.made import boxes, rhocentral  # noqa: E402
 
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 

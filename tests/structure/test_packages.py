@@ -25,7 +25,7 @@ HAFF = {
 ROOMS = {
     **HAFF,
     "studies/exact": ["haff", "haff/case", "haff/start"],
-    "studies/made": [*HAFF, "studies/exact"],
+    "studies/made": [*HAFF],
     "studies/measured": [*HAFF, "studies/exact"],
     "studies/checks": [*HAFF, "studies/exact", "studies/measured"],
     "studies": [*HAFF, "studies/exact", "studies/made", "studies/measured"],

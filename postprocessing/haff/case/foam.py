@@ -299,3 +299,18 @@ class Patch:
 def read_field(path, cells):
     """Internal field: array [cells] or [cells][components]; FormatError says what is wrong with the file."""
     return Field(path).values(cells)
+
+
+def header(kind, name, location="constant/polyMesh", note="", binary=False):
+    """The text of a header for a file that is written."""
+    note = f'    note        "{note}";\n' if note else ""
+    how = 'binary;\n    arch        "LSB;label=32;scalar=64"' if binary else "ascii"
+    return (f"FoamFile\n{{\n    version     2.0;\n    format      {how};\n    class       {kind};\n{note}"
+            f'    location    "{location}";\n    object      {name};\n}}\n')
+
+
+def write_dictionary(case, location, name, text):
+    """Writes a dictionary of a case below its header."""
+    os.makedirs(os.path.join(case, location), exist_ok=True)
+    with open(os.path.join(case, location, name), "w") as f:
+        f.write(header("uniformDimensionedVectorField" if name == "g" else "dictionary", name, location) + text)

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 from haff import command, paths
-from haff.case import boxes
+from haff.case import foam
 from haff.case.entries import EntryError
 from haff.openfoam import control, dictionary, functions, state
 from haff.openfoam.gas import Gas
@@ -71,7 +71,7 @@ class Conversion:
 
     def properties(self):
         g = self.gas
-        boxes.write_dictionary(self.new, "constant", "granularProperties", f"""
+        foam.write_dictionary(self.new, "constant", "granularProperties", f"""
 // A perfect gas, elastic and inviscid: grains are its molecules. R = {g.R:.10g} m^2/s^2/K: the T of haff is R times kelvin.
 grain {{ diameter {g.diameter:.6g}; mass {g.mass:.6g}; restitution 1; }}
 
@@ -87,14 +87,14 @@ transport        none;
         if self.mesh.has_corners():
             self.report.added("system/fvSchemes", "meshEngine polyhedral: along walls behind a corner that points into the gas the lattice engine "
                               "keeps a thicker hot layer (cases/forwardStep); meshEngine lattice takes half the time")
-        boxes.write_dictionary(self.new, "system", "fvSchemes", "\n" + control.schemes_text(self.schemes, self.control, self.mesh.has_corners(), self.unused))
-        boxes.write_dictionary(self.new, "system", "fvSolution", "\n// haff's defaults: granularGas -keywords lists what may stand here.\n")
+        foam.write_dictionary(self.new, "system", "fvSchemes", "\n" + control.schemes_text(self.schemes, self.control, self.mesh.has_corners(), self.unused))
+        foam.write_dictionary(self.new, "system", "fvSolution", "\n// haff's defaults: granularGas -keywords lists what may stand here.\n")
 
     def write_control(self):
         lines = [f"{key:<17} {value};" for key, value in self.control.entries]
         if self.accepted:
             lines.append(f"{'acceptWarnings':<17} ({' '.join(self.accepted)});")
-        self.text = boxes.header("dictionary", "controlDict", "system") + "\n" + "\n".join(lines) + "\n\n" + functions.text_of(self.functions)
+        self.text = foam.header("dictionary", "controlDict", "system") + "\n" + "\n".join(lines) + "\n\n" + functions.text_of(self.functions)
         with open(os.path.join(self.new, "system", "controlDict"), "w", encoding="latin-1") as f:
             f.write(self.text)
 

@@ -5,8 +5,8 @@ import os
 from haff.openfoam import dictionary
 from haff.openfoam.dictionary import number
 from haff.openfoam.report import Refused
-from haff.openfoam.rhocentral import UNIVERSAL
 
+UNIVERSAL = 8314.4700665  # J/kmol/K: p/(rho T) times molWeight of rhoCentralFoam 1912; later versions differ in the seventh digit
 AVOGADRO = 6.02214e26  # 1/kmol
 AIR = (28.96, 3.7e-10)  # kg/kmol, m: a molecule; others are as dense
 FILES = ("thermophysicalProperties", "physicalProperties")  # the second: OpenFOAM.org from 10 on

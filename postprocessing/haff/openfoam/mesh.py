@@ -3,15 +3,16 @@
 import os
 import re
 import shutil
+import subprocess
 import tempfile
 import warnings
 
 import numpy as np
 
-from haff.case import boxes, entries
+from haff.case import entries, foam
 from haff.case.blocks import mesh_of
 from haff.case.foam import FormatError
-from haff.openfoam import dictionary, rhocentral
+from haff.openfoam import dictionary
 from haff.openfoam.report import Refused
 
 ALLOWED = ("patch", "wall", "empty", "symmetry", "symmetryPlane", "cyclic")
@@ -20,6 +21,8 @@ CURES = {"wedge": "haff has no axisymmetry: mesh a sector of 90 or 180 degrees i
          "cyclicAMI": "haff joins patches whose faces fit one to one: mesh both sides alike, and make them cyclic"}
 LEFTOVER = "defaultFaces"
 PARTS = ("points", "faces", "owner", "neighbour")
+ENVIRONMENT = {**os.environ, "WM_PROJECT_DIR": os.environ.get("WM_PROJECT_DIR", "/usr/share/openfoam")}
+CONTROL = "application blockMesh; startFrom startTime; startTime 0; stopAt endTime; endTime 1; deltaT 1; writeControl timeStep; writeInterval 1;\n"
 
 
 class Patch:
@@ -55,6 +58,13 @@ def boundary_text(path):
 
 def without_comments(text):
     return re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.S)
+
+
+def block_mesh(case):
+    """Makes constant/polyMesh of system/blockMeshDict by blockMesh; says why that failed, or "". The case gets a controlDict of OpenFOAM's: give a copy."""
+    foam.write_dictionary(case, "system", "controlDict", CONTROL)
+    done = subprocess.run(["blockMesh", "-case", case], capture_output=True, text=True, env=ENVIRONMENT)
+    return " ".join((done.stderr or done.stdout).split())[:600] if done.returncode else ""
 
 
 def box_mesh(case):
@@ -134,7 +144,7 @@ class Converted:
                     shutil.copytree(os.path.join(self.case, part), os.path.join(folder, part), ignore=shutil.ignore_patterns("polyMesh"))
             if not os.path.exists(os.path.join(folder, "system", "blockMeshDict")):
                 shutil.copyfile(path, os.path.join(folder, "system", "blockMeshDict"))
-            failed = rhocentral.block_mesh(folder)
+            failed = block_mesh(folder)
             if failed:
                 raise Refused(f"{where}: blockMesh failed: {failed}")
             self.report.changed(where, f"OpenFOAM's blockMesh -> constant/polyMesh (as it is haff does not read it: {why})")
@@ -171,7 +181,7 @@ class Converted:
             more = f" neighbourPatch {p.neighbour}; matchTolerance {p.entry.get('matchTolerance', '1e-4')}; transform unknown;" if p.type == "cyclic" else ""
             rows.append(f"    {p.name} {{ type {p.type}; nFaces {p.count}; startFace {p.first};{more} }}\n")
         with open(os.path.join(self.new, "constant", "polyMesh", "boundary"), "w", encoding="latin-1") as f:
-            f.write(boxes.header("polyBoundaryMesh", "boundary") + f"\n{len(rows)}\n(\n{''.join(rows)})\n")
+            f.write(foam.header("polyBoundaryMesh", "boundary") + f"\n{len(rows)}\n(\n{''.join(rows)})\n")
 
     def measure(self):
         self.check_types()

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from haff.case import boxes
+from haff.case import foam
 from haff.case.case import is_time
 from haff.openfoam import dictionary, patches, setFields, values
 from haff.openfoam.dictionary import number
@@ -96,7 +96,7 @@ def write(new, folder, name, cells, entries, note):
     rows = "\n".join(f"    {patch} {{ {entry} }}" for patch, entry in entries.items())
     os.makedirs(os.path.join(new, folder), exist_ok=True)
     with open(os.path.join(new, folder, name), "w") as f:
-        f.write(boxes.header("volVectorField" if name == "U" else "volScalarField", name, folder)
+        f.write(foam.header("volVectorField" if name == "U" else "volScalarField", name, folder)
                 + f"\n// {note}\ndimensions {UNITS[name]};\ninternalField {values.as_entry(cells)};\nboundaryField\n{{\n{rows}\n}}\n")
 
 

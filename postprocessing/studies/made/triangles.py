@@ -25,7 +25,7 @@ RULE = (0.44594849091596488632, 0.22338158967801146570), (0.09157621350977074346
 
 def make(case, size, n, gmsh_to_case, cyclic="xy", rows=None):
     """The mesh, a square or as many rows of edges high. cyclic: axes whose sides are halves of a cyclic pair."""
-    from haff.case import boxes
+    from studies.made import boxes
     os.makedirs(case, exist_ok=True)
     rules = " ".join(f"{a} {{ type cyclic; neighbourPatch {b}; }}" for axis in cyclic for a, b in (SIDES[axis], SIDES[axis][::-1]))
     boxes.write_dictionary(case, "system", "meshDict", f"patches {{ {rules} }}\n")

@@ -17,7 +17,8 @@ import tempfile
 import numpy as np
 
 import haff
-from haff.openfoam import rhocentral
+from haff.openfoam.mesh import block_mesh
+from studies.made import rhocentral
 
 DILUTE = 1e-3
 CONSTRAINTS = ("empty", "cyclic", "symmetryPlane", "symmetry", "wedge")
@@ -61,7 +62,7 @@ def make_blocks(case):
     """constant/polyMesh as OpenFOAM's blockMesh makes it."""
     with tempfile.TemporaryDirectory(prefix="blockMesh") as folder:
         shutil.copytree(os.path.join(case, "system"), os.path.join(folder, "system"))
-        why = rhocentral.block_mesh(folder)
+        why = block_mesh(folder)
         if why:
             raise Refused(f"{os.path.join(case, 'system', 'blockMeshDict')}: blockMesh failed: {why}")
         shutil.move(os.path.join(folder, "constant", "polyMesh"), os.path.join(case, "constant", "polyMesh"))

@@ -17,6 +17,7 @@ import numpy as np
 import haff
 from haff import command
 from haff.case import grains
+from haff.case.foam import header
 from haff.start import enskog
 from studies.exact import disks, garzoDufty
 
@@ -187,7 +188,7 @@ def start(path, time, longest, folder):
     sides = '    ".*" { type cyclic; }\n' if box.d == 3 else '    "(left|right|bottom|top)" { type cyclic; }\n    "(front|back)"            { type empty; }\n'
     for name, (kind, dimensions) in FIELDS.items():
         with open(os.path.join(folder, name), "w") as f:
-            f.write(f"FoamFile\n{{\n    version     2.0;\n    format      ascii;\n    class       {kind};\n    location    \"0.orig\";\n    object      {name};\n}}\n\n"
+            f.write(header(kind, name, "0.orig") + "\n"
                     f"// The {len(waves)} longest waves of {len(x)} grains at their start: postprocessing/studies/measured/clustering.py.\n"
                     f"dimensions      {dimensions};\ninternalField   uniform {uniform[name]};\nexpression      {texts[name]};\nboundaryField\n{{\n{sides}}}\n")
 

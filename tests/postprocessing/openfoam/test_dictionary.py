@@ -8,9 +8,9 @@ import numpy as np
 from tests.cases import harness
 from tests.postprocessing.openfoam import foam
 
-from haff.case import boxes
 from haff.case.foam import FormatError
 from haff.openfoam import dictionary
+from studies.made import boxes
 
 
 class Dictionaries(harness.Folder, unittest.TestCase):

@@ -15,10 +15,9 @@ from tests.postprocessing.openfoam import foam
 
 import haff
 from haff.case import entries
-from haff.openfoam import rhocentral
 from studies.exact.eos import PerfectGas
 from studies.exact.riemann import Riemann
-from studies.made import twin
+from studies.made import rhocentral, twin
 
 R = rhocentral.UNIVERSAL / 28.96
 GAMMA = 1004.5 / (1004.5 - R)

@@ -10,8 +10,9 @@ from tests.cases import harness
 from tests.postprocessing.openfoam import foam
 
 from haff.case import entries
-from haff.openfoam import fromOpenFOAM, patches, rhocentral, setFields, values
+from haff.openfoam import fromOpenFOAM, patches, setFields, values
 from haff.openfoam.report import Refused, Report
+from studies.made import rhocentral
 
 R = rhocentral.UNIVERSAL / 28.96
 OUT = "outlet { type zeroGradient; }"

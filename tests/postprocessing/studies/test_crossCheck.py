@@ -14,8 +14,7 @@ from tests.postprocessing.openfoam import foam
 
 import haff
 from haff.case.geometry import Geometry
-from haff.openfoam import rhocentral
-from studies.made import twin
+from studies.made import rhocentral, twin
 from studies.measured import comparison
 
 TOOL = [sys.executable, "-m", "haff", "crossCheck"]

@@ -9,9 +9,9 @@ import numpy as np
 
 from tests.cases import harness
 
-from haff.case import boxes
 from haff.paths import program
 from studies import scaling
+from studies.made import boxes
 
 
 def lattice(case, n, speed=0.1, **options):

@@ -10,9 +10,8 @@ import unittest
 from tests.cases import harness
 from tests.postprocessing.openfoam import foam
 
-from haff.openfoam import rhocentral
 from studies import tutorials
-from studies.made import twin
+from studies.made import rhocentral, twin
 
 needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}: no comparison")
 

@@ -7,11 +7,11 @@ import unittest
 import numpy as np
 
 import haff
-from haff.case import boxes
 from haff.plot import cellmap
 from studies.exact import bluntBody
 from studies.exact.eos import GoldshteinShapiro
 from studies.exact.obliqueShock import ObliqueShock
+from studies.made import boxes
 from studies.measured import shocks
 
 

@@ -11,14 +11,9 @@ import os
 
 import numpy as np
 
+from haff.case.foam import header, write_dictionary
+
 AXES = "xyz"
-
-
-def header(kind, name, location="constant/polyMesh", note="", binary=False):
-    note = f'    note        "{note}";\n' if note else ""
-    how = 'binary;\n    arch        "LSB;label=32;scalar=64"' if binary else "ascii"
-    return (f"FoamFile\n{{\n    version     2.0;\n    format      {how};\n    class       {kind};\n{note}"
-            f'    location    "{location}";\n    object      {name};\n}}\n')
 
 
 def centres(n, size):
@@ -140,12 +135,6 @@ def write_field(case, name, values, patches='".*" zeroGradient', time="0", binar
         f.write((header(f"vol{kind}Field", name, time, binary=binary) + f"\ndimensions {DIMENSIONS[name]};\n"
                  f"internalField nonuniform List<{kind.lower()}>\n").encode() + entries
                 + f";\nboundaryField\n{{\n{boundary}\n}}\n".encode())
-
-
-def write_dictionary(case, location, name, text):
-    os.makedirs(os.path.join(case, location), exist_ok=True)
-    with open(os.path.join(case, location, name), "w") as f:
-        f.write(header("uniformDimensionedVectorField" if name == "g" else "dictionary", name, location) + text)
 
 
 CONTROL = """application granularGas; startFrom latestTime; startTime 0; stopAt endTime; endTime {end!r};

@@ -7,14 +7,12 @@ environment, WM_PROJECT_DIR.
 import os
 import re
 import shutil
-import subprocess
 
-from haff.case import boxes
+from haff.openfoam.gas import UNIVERSAL
+from haff.openfoam.mesh import ENVIRONMENT
+from studies.made import boxes
 
-ENVIRONMENT = {**os.environ, "WM_PROJECT_DIR": os.environ.get("WM_PROJECT_DIR", "/usr/share/openfoam")}
-UNIVERSAL = 8314.4700665  # J/kmol/K: p/(rho T) times molWeight of rhoCentralFoam 1912; later versions differ in the seventh digit
 MISSING = "rhoCentralFoam (package openfoam) is not installed"
-CONTROL = "application blockMesh; startFrom startTime; startTime 0; stopAt endTime; endTime 1; deltaT 1; writeControl timeStep; writeInterval 1;\n"
 SCHEMES = """fluxScheme Kurganov;
 ddtSchemes { default Euler; }
 gradSchemes { default Gauss linear; }
@@ -34,13 +32,6 @@ GAS = """thermoType {{ type hePsiThermo; mixture pureMixture; transport const; t
     specie specie; energy sensibleInternalEnergy; }}
 mixture {{ specie {{ molWeight {weight!r}; }} thermodynamics {{ Cp {cp!r}; Hf 0; }} transport {{ mu 0; Pr 1; }} }}
 """
-
-
-def block_mesh(case):
-    """Makes constant/polyMesh of system/blockMeshDict by blockMesh; says why that failed, or "". The case gets a controlDict of OpenFOAM's: give a copy."""
-    boxes.write_dictionary(case, "system", "controlDict", CONTROL)
-    done = subprocess.run(["blockMesh", "-case", case], capture_output=True, text=True, env=ENVIRONMENT)
-    return " ".join((done.stderr or done.stdout).split())[:600] if done.returncode else ""
 
 
 def installed():
