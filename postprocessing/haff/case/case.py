@@ -7,13 +7,8 @@ import re
 import numpy as np
 
 from haff.case import blocks, foam, sample, tables, units
-from haff.case.foam import Field, read_field
+from haff.case.foam import Field, is_time, read_field
 from haff.paths import suggestion
-
-
-def is_time(name):
-    """Whether a folder of that name is a time."""
-    return re.fullmatch(r"\d+(\.\d*)?([eE][-+]?\d+)?", name) is not None
 
 
 class Case:

@@ -29,6 +29,17 @@ class FormatError(ValueError):
     """A file is not what it should be."""
 
 
+def is_time(name):
+    """Whether a folder of that name is a time."""
+    return re.fullmatch(r"\d+(\.\d*)?([eE][-+]?\d+)?", name) is not None
+
+
+def times_in(folder):
+    """The names of the folders of times in a folder, ascending in value; none where it is not there."""
+    names = os.listdir(folder) if os.path.isdir(folder) else []
+    return sorted((n for n in names if is_time(n) and os.path.isdir(os.path.join(folder, n))), key=float)
+
+
 def located(path):
     """path, or path.gz where only that exists. FormatError where both do: one of them is not what is meant."""
     if not os.path.exists(path + ".gz"):

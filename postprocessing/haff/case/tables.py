@@ -13,6 +13,7 @@ import re
 
 import numpy as np
 
+from haff.case.foam import times_in
 from haff.paths import suggestion
 
 CELL = re.compile(r"\(([^()]*)\)|(\S+)")
@@ -48,10 +49,6 @@ def number(word):
         return float(word)
     except ValueError:
         return np.nan
-
-
-def is_start(name):
-    return re.fullmatch(r"\d+(\.\d*)?([eE][-+]?\d+)?", name) is not None
 
 
 def cells_of(line):
@@ -94,16 +91,9 @@ class Start:
         return number(row[0]) if isinstance(row[0], str) else np.nan
 
 
-def start_names(folder):
-    """The names of the folders of starts, ascending in value."""
-    if not os.path.isdir(folder):
-        return []
-    return sorted((n for n in os.listdir(folder) if is_start(n) and os.path.isdir(os.path.join(folder, n))), key=float)
-
-
 def files_of(folder):
     """The names of the files that any start has."""
-    return sorted({n for start in start_names(folder) for n in os.listdir(os.path.join(folder, start))
+    return sorted({n for start in times_in(folder) for n in os.listdir(os.path.join(folder, start))
                    if os.path.isfile(os.path.join(folder, start, n))})
 
 
@@ -133,7 +123,7 @@ def file_of(folder, file):
 def starts_of(folder, file):
     """The Start of every file, in the order of time. Rows at and after the first time of a later start are left out: it repeats them."""
     file, found = file_of(folder, file), []
-    for name in start_names(folder):
+    for name in times_in(folder):
         path = os.path.join(folder, name, file)
         if not os.path.exists(path):
             continue

@@ -5,7 +5,6 @@ import os
 import numpy as np
 
 from haff.case import foam
-from haff.case.case import is_time
 from haff.openfoam import dictionary, patches, setFields, values
 from haff.openfoam.dictionary import number
 from haff.openfoam.report import Refused
@@ -15,7 +14,7 @@ DIMENSIONS = {"p": [1, -1, -2, 0], "T": [0, 0, 0, 1], "U": [0, 1, -1, 0]}
 
 def folder_of(case, control):
     """The time folder that a run would start from; 0.orig where there is no 0."""
-    times = sorted((n for n in os.listdir(case) if is_time(n) and os.path.isdir(os.path.join(case, n))), key=float)
+    times = foam.times_in(case)
     start = number(control, "startTime", default=0)
     how = control.get("startFrom", "latestTime")
     if how == "startTime":

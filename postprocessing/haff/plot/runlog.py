@@ -17,7 +17,7 @@ import struct
 
 import numpy as np
 
-from haff.case.case import is_time
+from haff.case.foam import times_in
 from haff.plot.quantity import CannotDraw
 
 NUMBER = r"[-+]?(?:\d[\d.]*(?:[eE][-+]?\d+)?|nan|inf)"
@@ -167,8 +167,7 @@ def end_of_control(case):
 def read_tables(case):
     """The tables of all starts behind one another: where a later start repeats times, its rows stand. None without tables."""
     folder = os.path.join(case, "postProcessing", "run")
-    starts = sorted((n for n in (os.listdir(folder) if os.path.isdir(folder) else []) if is_time(n)), key=float)
-    paths = [os.path.join(folder, n, "run.dat") for n in starts]
+    paths = [os.path.join(folder, n, "run.dat") for n in times_in(folder)]
     kept = []
     for part, path in enumerate(p for p in paths if os.path.isfile(p)):
         rows = read_table(path)

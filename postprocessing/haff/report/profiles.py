@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from haff.case import tables
+from haff.case.foam import times_in
 from haff.plot import figures, quantity
 from haff.plot.quantity import CannotDraw
 from haff.report.charts import numbers
@@ -105,7 +105,7 @@ def of_sets(case, times):
     charts = []
     for function, files in case.tables().items():
         folder = os.path.join(case.path, "postProcessing", function)
-        there = tables.start_names(folder)
+        there = times_in(folder)
         near = list(dict.fromkeys(min(there, key=lambda name: abs(float(name) - float(t))) for t in times)) if there else []
         for file in (f for f in files if f.endswith(".xy")):
             charts += of_lines(case, function, file, [(t, os.path.join(folder, t, file)) for t in near if os.path.isfile(os.path.join(folder, t, file))])

@@ -12,7 +12,7 @@ import re
 import shutil
 
 from haff.case import entries
-from haff.case.case import is_time
+from haff.case.foam import is_time, times_in
 
 NOTES = "run.json"
 MADE = re.compile(r"\..*|postProcessing|VTK|diverged|processor\d+|log\..*|run\.json|__pycache__")  # by runs, in the folder of a case
@@ -48,13 +48,9 @@ def number(text, default=None):
         return default
 
 
-def times(case):
-    return sorted((n for n in os.listdir(case) if is_time(n) and os.path.isdir(os.path.join(case, n))), key=float)
-
-
 def start(case):
     """The time folder from which a run that begins anew starts, or None: 0.orig, or there is none."""
-    found = times(case)
+    found = times_in(case)
     if control(case, "startFrom") == "startTime":
         at = number(control(case, "startTime"), 0.0)
         found = [n for n in found if float(n) == at]
@@ -265,7 +261,7 @@ def make(case, folder, changes, mesh, base=None):
 
 def has_results(folder):
     """Has a run in a copy written more than its start?"""
-    return notes(folder)["state"] == "done" or any(t != start(folder) and float(t) != 0 for t in times(folder))
+    return notes(folder)["state"] == "done" or any(t != start(folder) and float(t) != 0 for t in times_in(folder))
 
 
 def other(case, folder, found, wanted):

@@ -20,6 +20,7 @@ import time
 
 from haff.case import entries
 from haff.case.case import Case
+from haff.case.foam import times_in
 from haff.paths import program
 from haff.runs import copies
 
@@ -170,7 +171,7 @@ def solve(case, ranks, children):
 
 def go_on(case):
     """A copy that has run for a while starts from its last time, whatever startFrom says."""
-    later = [t for t in copies.times(case) if t != copies.start(case)]
+    later = [t for t in times_in(case) if t != copies.start(case)]
     if later and copies.control(case, "startFrom") != "latestTime":
         entries.edit(os.path.join(case, "system", "controlDict"), {"+startFrom": "latestTime"})
 

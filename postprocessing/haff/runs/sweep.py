@@ -19,6 +19,7 @@ import numpy as np
 
 from haff.case import entries
 from haff.case.case import Case
+from haff.case.foam import times_in
 from haff.case.tables import frame
 from haff.runs import copies
 from haff.runs.run import Children, RunError, Stopped, application, carry_out
@@ -69,7 +70,7 @@ class Point:
         return min(max(reached / end, 0.0), 1.0) if end else 0.0
 
     def reached(self):
-        last = max(map(float, copies.times(self.folder)), default=0.0)
+        last = max(map(float, times_in(self.folder)), default=0.0)
         log = os.path.join(self.folder, f"log.{copies.control(self.folder, 'application')}")
         if os.path.exists(log):
             with open(log, "rb") as f:
