@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the programs of haff and its source tree are."""
-import datetime
 import difflib
 import importlib
 import os
 import shutil
-import subprocess
 import sys
 
 TOP = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")))
@@ -20,13 +18,6 @@ def lacking(module):
     other = "/usr/bin/python3"
     take = f"take {other}, or  " if os.path.exists(other) and os.path.realpath(other) != os.path.realpath(sys.executable) else f"apt-get install python3-{module}, or  "
     return f"{sys.executable} has no {module}, which haff needs: {take}{sys.executable} -m pip install {module}"
-
-
-def measured_by(command):
-    """The line that stands above a table of a report: commit of the source tree, day, command."""
-    said = subprocess.run(["git", "-C", TOP, "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True)
-    commit = said.stdout.strip() if said.returncode == 0 else "an unknown commit"
-    return f"Measured at {commit}, {datetime.date.today()}: `{command}`."
 
 
 def suggestion(word, known):
@@ -59,14 +50,6 @@ def program(name):
     path = os.path.join(folder_of_programs(), name)
     if not os.path.exists(path):
         raise FileNotFoundError(f"{path} is not there: build haff (cmake --build build), put its programs in PATH, or set HAFF_BIN to their folder")
-    return path
-
-
-def of_source(*parts):
-    """A path in the source tree; FileNotFoundError where the package was installed without it."""
-    path = os.path.join(TOP, *parts)
-    if not os.path.isdir(os.path.join(TOP, "cases")):
-        raise FileNotFoundError(f"{path} is a part of the source tree of haff: set HAFF_SOURCE to its folder")
     return path
 
 

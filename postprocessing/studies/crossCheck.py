@@ -33,10 +33,11 @@ import numpy as np
 import haff
 from haff import command
 from haff.case.geometry import Geometry
-from haff.paths import folder_of_programs, measured_by, of_source
+from haff.paths import folder_of_programs
 from studies.made import rhocentral, twin
 from studies.measured import comparison
 from studies.measured.comparison import FIELDS
+from studies.source import measured_by, of_source
 
 sys.dont_write_bytecode = True  # beside the cases' crossCheck.py
 OURS, FOAM = "haff", "rhoCentralFoam"

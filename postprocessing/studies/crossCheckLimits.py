@@ -8,11 +8,11 @@ import numpy as np
 
 import haff
 from haff.case.geometry import Geometry
-from haff.paths import measured_by, of_source
 from studies.exact.eos import GoldshteinShapiro, PerfectGas
 from studies.exact.riemann import BLAST, Riemann
 from studies.made import twin
 from studies.measured import comparison
+from studies.source import measured_by, of_source
 
 STEPS, TOLERANCE = 6, 0.1
 PERFECT = "equationOfState perfectGas; perfectGasCoeffs { gamma 1.6666666666666667; } cooling none; grain { restitution 1; }"

@@ -13,11 +13,11 @@ import tempfile
 import numpy as np
 
 from haff import command
-from haff.paths import measured_by
 from studies.denseMeshes import Ball, Body, Strip
 from studies.denseTubes import BURSTS, Cooled, Slant, Standing, Tube, burst, contact, drifting_burst, head_on, others, randoms
 from studies.exact.eos import GoldshteinShapiro, PerfectGas, TorquatoSpheres
 from studies.measured.shocks import billig
+from studies.source import measured_by
 
 
 def per_mille(errors):

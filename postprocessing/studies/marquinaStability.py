@@ -16,9 +16,10 @@ import numpy as np
 
 import haff
 from haff import command
-from haff.paths import measured_by, program
+from haff.paths import program
 from studies.exact.eos import GoldshteinShapiro
 from studies.made import boxes
+from studies.source import measured_by
 
 
 

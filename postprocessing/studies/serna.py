@@ -13,8 +13,9 @@ import numpy as np
 
 import haff
 from haff import command
-from haff.paths import TOP, measured_by
+from haff.paths import TOP
 from haff.runs import copies, expected
+from studies.source import measured_by
 
 REPORTS = os.path.join(TOP, "postprocessing", "reports")
 PLACES = {"flux": ("system/fvSchemes", "fluxScheme"), "reconstruct": ("system/fvSchemes", "reconstruct"), "e": ("constant/granularProperties", "grain/restitution"),

@@ -29,13 +29,14 @@ from haff.case.geometry import Geometry
 from haff.openfoam import dictionary, fromOpenFOAM
 from haff.openfoam.gas import Gas
 from haff.openfoam.report import Report
-from haff.paths import of_source, program
+from haff.paths import program
 from studies.crossCheck import order, timed
 from studies.exact.eos import PerfectGas
 from studies.exact.riemann import Riemann
 from studies.made import rhocentral, twin
 from studies.measured import comparison
 from studies.measured.comparison import FIELDS
+from studies.source import of_source
 
 EXAMPLES = "/usr/share/doc/openfoam-examples/examples"
 MARK = "<!-- made by haff tutorials -->"

@@ -28,8 +28,9 @@ import numpy as np
 
 import haff
 from haff import command
-from haff.paths import TOP, folder_of_programs, measured_by, of_source
+from haff.paths import TOP, folder_of_programs
 from studies.made import rhocentral
+from studies.source import measured_by, of_source
 from studies.workPrecisionProblems import PROBLEMS, Referenced
 
 # flux schemes and the reconstructions each is tried with; "*": all but those of first order

@@ -18,8 +18,9 @@ import numpy as np
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "postprocessing"))
 
-from haff.paths import folder_of_programs, of_source  # noqa: E402
+from haff.paths import folder_of_programs  # noqa: E402
 from studies.exact.eos import GoldshteinShapiro  # noqa: E402
+from studies.source import of_source  # noqa: E402
 from studies.workPrecision import Haff  # noqa: E402
 from studies.workPrecisionProblems import PROBLEMS, Referenced  # noqa: E402
 

@@ -7,8 +7,8 @@ import tempfile
 import unittest
 
 from tests.cases import harness
-from haff.paths import measured_by
 from studies import serna
+from studies.source import measured_by
 
 PAGE = "a\n<!-- table x: made by haff serna -->\n{}<!-- end -->\nb\n"
 
