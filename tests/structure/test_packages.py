@@ -4,6 +4,7 @@
 import ast
 import os
 import re
+import sys
 import unittest
 
 from tests.structure.test_rooms import LONGEST, MOST_FILES, MOST_LINES, text_of, tracked
@@ -30,6 +31,15 @@ ROOMS = {
     "studies/checks": [*HAFF, "studies/exact", "studies/measured"],
     "studies": [*HAFF, "studies/exact", "studies/made", "studies/measured"],
 }
+# Libraries beside numpy, and the rooms that may import them.
+LIBRARIES = {
+    "matplotlib": ["haff", "haff/plot", "haff/report", "studies"],
+    "scipy": ["haff/case", "haff/plot", "haff/runs", "studies/exact", "studies/measured"],
+    "pandas": ["haff/case"],
+    "PIL": ["haff/plot", "haff/report"],
+    "mpmath": ["studies/exact"],
+}
+OWN = {"", "haff", "studies", "numpy", *sys.stdlib_module_names}
 OFFERED = "haff/__init__.py", "haff/__main__.py"
 
 
@@ -69,6 +79,18 @@ def forbidden_imports(files, rooms):
                 wrong.append(f"{path} imports {other}, which is no module")
             elif room_of(other) != room_of(path) and room_of(other) not in rooms.get(room_of(path), []):
                 wrong.append(f"{path} imports {other}: {room_of(path)} may not use {room_of(other)}")
+    return wrong
+
+
+def misplaced_libraries(files, libraries):
+    """Modules that import a library which their room does without; of others than Python's own and numpy."""
+    wrong = []
+    for path, text in files.items():
+        for node in ast.walk(ast.parse(text)):
+            names = [name.name for name in node.names] if isinstance(node, ast.Import) else [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            for library in {name.split(".")[0] for name in names} - OWN:
+                if room_of(path) not in libraries.get(library, []):
+                    wrong.append(f"{path} imports {library}")
     return wrong
 
 
@@ -123,6 +145,9 @@ class Rooms(unittest.TestCase):
     def test_modules_import_only_what_their_room_may(self):
         self.assertNone(forbidden_imports(self.files, ROOMS))
 
+    def test_libraries_stay_where_they_belong(self):
+        self.assertNone(misplaced_libraries(self.files, LIBRARIES))
+
     def test_modules_have_no_circles(self):
         self.assertNone(circles(self.files))
 
@@ -157,6 +182,11 @@ class Rules(unittest.TestCase):
                            ("haff/case/case.py", "from ..paths import TOP\n"), ("studies/serna.py", "from haff.studies import faraday\n"),
                            ("haff/new/new.py", "")):
             self.assertEqual(1, len(forbidden_imports({**self.FILES, path: text}, ROOMS)), (path, text))
+
+    def test_libraries(self):
+        self.assertEqual([], misplaced_libraries({"haff/case/a.py": "import os.path\nimport numpy as np\nfrom haff.case import b\nfrom . import c\ndef f():\n    import pandas\n"}, LIBRARIES))
+        for text in ("import matplotlib.pyplot as plt\n", "def f():\n    from PIL import Image\n", "import requests\n"):
+            self.assertEqual(1, len(misplaced_libraries({"haff/case/a.py": text}, LIBRARIES)), text)
 
     def test_circles(self):
         self.assertEqual([], circles(self.FILES))
