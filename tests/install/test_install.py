@@ -42,6 +42,7 @@ class Commands:
         self.assertNotIn("serna", call(command, "-help", cwd=self.folder))
         self.assertEqual(call(command, "muI", cwd=self.folder, code=1),
                          "haff muI: this needs the studies, a part of the source tree of haff that is not installed: set HAFF_SOURCE to the folder of that tree\n")
+        self.assertIn("this needs the studies", call(command, "figure", os.path.join(harness.SOURCE, "cases", "cylinder"), cwd=self.folder, code=1))
         self.assertIn("without side walls: V* 13.83", call(command, "muI", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
         self.assertIn("serna", call(command, "-help", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
 
