@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const char SENT[] = "cells sent between ranks";
 enum { ROUND = 1 << 15, ALL_ROUND = 1 << 25 }; /* cells of a round: of a rank, of all ranks */
 
 static long first_of(const struct share *s, int rank) {
@@ -29,6 +30,14 @@ int share_rank(const struct share *s, long cell) {
     return (int)(cell < longer ? cell / (each + 1) : rest + (cell - longer) / each);
 }
 
+status share_deliver(const struct share *s, long n, int ints, const int *record, const char *what,
+                     struct delivery *out) {
+    TRY(delivery_begin(s->comm, n, ints, what, out));
+    for (long i = 0; i < n; i++) out->rank[i] = share_rank(s, record[ints * i]);
+    if (n) memcpy(out->record, record, (size_t)(ints * n) * sizeof *record);
+    return delivery_send(out);
+}
+
 struct errand { /* what is to be moved */
     const struct share *share;
     bool store;           /* from the list into the slices? */
@@ -36,51 +45,32 @@ struct errand { /* what is to be moved */
     double *slice, *list; /* [cells][values]; the one that is moved from is only read */
 };
 struct round { /* the cells that a rank lists in one round, and those of its slice that the others list */
-    int n, nothers;
-    int *count, *count_others, *value_count, *value_count_others; /* [ranks] */
-    int *order;                                                   /* [n] the listed cells, by rank */
-    int *cell, *others;                                           /* their numbers: [n] by rank; [nothers] */
-    double *room, *room_others;                                   /* the values of each of these */
+    struct delivery cells;
+    int *count, *count_others;  /* [ranks] values of the cells listed; of those that the others list */
+    double *room, *room_others; /* these values */
 };
 
 static void round_free(struct round *r) {
-    void *all[] = {r->count, r->order, r->cell, r->others, r->room, r->room_others};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    delivery_free(&r->cells);
+    free(r->count);
+    free(r->room);
+    free(r->room_others);
 }
 
-/* Sorts the listed cells by the ranks that have them. */
-static status sort_cells(const struct errand *x, int n, const int *cell, struct round *r) {
-    const int size = comm_size(x->share->comm);
-    int *next;
-    r->n = n;
-    TRY(allocate(&r->count, 5L * size, sizeof *r->count, "cells sent between ranks"));
-    TRY(allocate(&r->order, n, sizeof *r->order, "cells sent between ranks"));
-    TRY(allocate(&r->cell, n, sizeof *r->cell, "cells sent between ranks"));
-    TRY(allocate(&r->room, n * (long)x->values, sizeof *r->room, "cells sent between ranks"));
-    r->count_others = r->count + size;
-    r->value_count = r->count + 2L * size;
-    r->value_count_others = r->count + 3L * size;
-    next = r->count + 4L * size;
-    for (int i = 0; i < n; i++) r->count[share_rank(x->share, cell[i])]++;
-    for (int k = 1; k < size; k++) next[k] = next[k - 1] + r->count[k - 1];
-    for (int i = 0; i < n; i++) r->order[next[share_rank(x->share, cell[i])]++] = i;
-    for (int i = 0; i < n; i++) r->cell[i] = cell[r->order[i]];
-    return OK;
-}
-
-/* Tells the ranks which cells of their slices are listed. */
-static status tell_cells(const struct errand *x, struct round *r) {
+/* Tells the ranks which cells of their slices are listed, and makes room for the values. */
+static status round_make(const struct errand *x, int n, const int *cell, struct round *r) {
     const struct comm *c = x->share->comm;
-    comm_trade_counts(c, r->count, r->count_others);
-    for (int k = 0; k < comm_size(c); k++) {
-        r->nothers += r->count_others[k];
-        r->value_count[k] = r->count[k] * (int)x->values;
-        r->value_count_others[k] = r->count_others[k] * (int)x->values;
-    }
-    status e = allocate(&r->others, r->nothers, sizeof *r->others, "cells sent between ranks");
-    if (!e) e = allocate(&r->room_others, r->nothers * (long)x->values, sizeof(double), "cells sent between ranks");
+    const int size = comm_size(c), values = (int)x->values;
+    TRY(share_deliver(x->share, n, 1, cell, SENT, &r->cells));
+    status e = allocate(&r->count, 2L * size, sizeof *r->count, SENT);
+    if (!e) e = allocate(&r->room, n * (long)values, sizeof *r->room, SENT);
+    if (!e) e = allocate(&r->room_others, r->cells.arrived * values, sizeof *r->room_others, SENT);
     TRY(comm_agree(c, e));
-    comm_trade_int(c, r->cell, r->count, r->others, r->count_others);
+    r->count_others = r->count + size;
+    for (int k = 0; k < size; k++) {
+        r->count[k] = r->cells.count[k] * values;
+        r->count_others[k] = r->cells.arriving[k] * values;
+    }
     return OK;
 }
 
@@ -90,19 +80,19 @@ static void copy(const struct errand *x, bool there, double *values, double *oth
 }
 
 /* Moves the values of the cells listed in one round, the first of which is number `at` of the list. */
-static void move_round(const struct errand *x, long at, struct round *r) {
+static void move_round(const struct errand *x, long at, long n, const struct round *r) {
     const struct comm *c = x->share->comm;
     const size_t m = x->values;
     for (int way = 0; way < 2; way++) { /* first out of the list or the slice, then into the other one */
         const bool out_of = way == 0;
-        for (int i = 0; x->store == out_of && i < r->n; i++)
-            copy(x, out_of, x->list + (size_t)(at + r->order[i]) * m, r->room + (size_t)i * m);
-        for (int i = 0; x->store != out_of && i < r->nothers; i++)
-            copy(x, out_of, x->slice + (size_t)(r->others[i] - x->share->first) * m, r->room_others + (size_t)i * m);
+        for (long i = 0; x->store == out_of && i < n; i++)
+            copy(x, out_of, x->list + (size_t)(at + r->cells.order[i]) * m, r->room + (size_t)i * m);
+        for (long i = 0; x->store != out_of && i < r->cells.arrived; i++)
+            copy(x, out_of, x->slice + (size_t)(r->cells.in[i] - x->share->first) * m, r->room_others + (size_t)i * m);
         if (out_of && x->store)
-            comm_trade(c, r->room, r->value_count, r->room_others, r->value_count_others);
+            comm_trade(c, r->room, r->count, r->room_others, r->count_others);
         else if (out_of)
-            comm_trade(c, r->room_others, r->value_count_others, r->room, r->value_count);
+            comm_trade(c, r->room_others, r->count_others, r->room, r->count);
     }
 }
 
@@ -118,9 +108,8 @@ static status move(const struct errand *x, long n, const int *cell) {
     for (long at = 0; (double)at < longest; at += most) {
         const long left = n - at, now = left < 0 ? 0 : left < most ? left : most;
         struct round r = {0};
-        status e = comm_agree(c, sort_cells(x, (int)now, cell + (now ? at : 0), &r));
-        if (!e) e = tell_cells(x, &r);
-        if (!e) move_round(x, at, &r);
+        const status e = round_make(x, (int)now, cell + (now ? at : 0), &r);
+        if (!e) move_round(x, at, now, &r);
         round_free(&r);
         TRY(e);
     }

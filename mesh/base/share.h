@@ -5,7 +5,7 @@
 #ifndef MESH_SHARE_H
 #define MESH_SHARE_H
 
-#include "mesh/base/comm.h"
+#include "mesh/base/delivery.h"
 
 struct share {
     const struct comm *comm;
@@ -16,6 +16,9 @@ struct share share_make(const struct comm *c, long n);
 struct share share_at_rank(const struct share *s, int rank); /* as another rank has it */
 int share_rank(const struct share *s, long cell);            /* the rank whose slice has the cell */
 
+/* Sends record[n][ints], which begin with cells, to the ranks whose slices have these (delivery.h). Collective. */
+status share_deliver(const struct share *s, long n, int ints, const int *record, const char *what,
+                     struct delivery *out);
 /* Sets out[n][components] to the values of the cells whose numbers are listed, from the ranks' slices. Collective:
  * every rank lists those it wants, or none. */
 status share_fetch(const struct share *s, int components, const double *slice, long n, const int *cell, double *out);

@@ -389,7 +389,7 @@ void polyhedra_place(const struct polyhedra *m, long cell, double place[3]) {
 
 void polyhedra_free(struct polyhedra *m) {
     if (!m) return;
-    if (m->hidden) halo_free(m->hidden);
+    if (m->hidden) comm_exchange_free(m->hidden->exchange);
     free(m->corner_first);
     free(m->corner_member);
     pool_free(&m->pool);

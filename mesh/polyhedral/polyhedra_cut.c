@@ -73,10 +73,8 @@ static int by_key(const void *a, const void *b) {
 
 struct sorting {
     const struct cut_mesh *m;
-    long *before;          /* [BINS + 1] cells of all ranks on the curve before a bin */
-    uint64_t *key;         /* [cells of the slice] */
-    int *count, *arriving; /* [ranks] ints */
-    int *out, *in;
+    long *before;  /* [BINS + 1] cells of all ranks on the curve before a bin */
+    uint64_t *key; /* [cells of the slice] */
     struct place *place;
     long n, first; /* cells that this rank sorts; those before them */
 };
@@ -89,85 +87,69 @@ static int rank_of_bin(const struct sorting *s, int bin) {
 static status count_bins(struct sorting *s) {
     const struct cut_mesh *m = s->m;
     const long n = m->cells.end - m->cells.first;
-    const int size = comm_size(m->cells.comm);
     TRY(allocate(&s->before, BINS + 1L, sizeof *s->before, "the blocks"));
     TRY(allocate(&s->key, n, sizeof *s->key, "the blocks"));
-    TRY(allocate(&s->count, size, sizeof *s->count, "the blocks"));
-    TRY(allocate(&s->arriving, size, sizeof *s->arriving, "the blocks"));
     for (long i = 0; i < n; i++) {
         s->key[i] = key_of(m, m->centre + 3 * i);
         s->before[bin_of(m, s->key[i]) + 1]++;
     }
-    return allocate(&s->out, SENT * n, sizeof *s->out, "the blocks");
-}
-
-/* Sorts records of three ints by the rank that they go to. */
-static status post(struct sorting *s, long n, int (*rank)(const struct sorting *s, long i),
-                   void (*fill)(const struct sorting *s, long i, int *to), int ints) {
-    const int size = comm_size(s->m->cells.comm);
-    long *next;
-    TRY(allocate(&next, size + 1L, sizeof *next, "the blocks"));
-    memset(s->count, 0, (size_t)size * sizeof *s->count);
-    for (long i = 0; i < n; i++) s->count[rank(s, i)] += ints;
-    for (int r = 0; r < size; r++) next[r + 1] = next[r] + s->count[r];
-    for (long i = 0; i < n; i++) {
-        const int r = rank(s, i);
-        fill(s, i, s->out + next[r]);
-        next[r] += ints;
-    }
-    free(next);
     return OK;
 }
 
-static int sorter(const struct sorting *s, long i) {
-    return rank_of_bin(s, bin_of(s->m, s->key[i]));
-}
-static void fill_key(const struct sorting *s, long i, int *to) {
-    to[0] = (int)(s->key[i] >> HALF);
-    to[1] = (int)(s->key[i] & INT_MAX);
-    to[2] = (int)(s->m->cells.first + i);
-}
-static int holder(const struct sorting *s, long i) {
-    return share_rank(&s->m->cells, s->place[i].cell);
-}
-static void fill_block(const struct sorting *s, long i, int *to) {
-    to[0] = s->place[i].cell;
-    to[1] = (int)((s->first + i) * s->m->nblocks / s->m->cells.n);
+/* Sends the cells of the slice to the ranks that sort them. */
+static status send_keys(const struct sorting *s, struct delivery *out) {
+    const struct share *cells = &s->m->cells;
+    TRY(delivery_begin(cells->comm, cells->end - cells->first, SENT, "the blocks", out));
+    for (long i = 0; i < out->n; i++) {
+        const int record[SENT] = {(int)(s->key[i] >> HALF), (int)(s->key[i] & INT_MAX), (int)(cells->first + i)};
+        out->rank[i] = rank_of_bin(s, bin_of(s->m, s->key[i]));
+        memcpy(out->record + SENT * i, record, sizeof record);
+    }
+    return delivery_send(out);
 }
 
 /* Sorts what has arrived. */
-static status sort_places(struct sorting *s) {
+static status sort_places(struct sorting *s, const struct delivery *d) {
     const int me = comm_rank(s->m->cells.comm);
-    s->n = 0;
-    for (int r = 0; r < comm_size(s->m->cells.comm); r++) s->n += s->arriving[r] / SENT;
+    s->n = d->arrived;
     TRY(allocate(&s->place, s->n, sizeof *s->place, "the blocks"));
     for (long i = 0; i < s->n; i++) {
-        const int *from = s->in + SENT * i;
+        const int *from = d->in + SENT * i;
         s->place[i] = (struct place){(uint64_t)from[0] << HALF | (uint64_t)from[1], from[2]};
     }
     qsort(s->place, (size_t)s->n, sizeof *s->place, by_key);
     int bin = 0;
     while (bin < BINS && rank_of_bin(s, bin) < me) bin++;
     s->first = s->before[bin];
-    free(s->in);
-    s->in = NULL;
-    free(s->out);
-    return allocate(&s->out, SENT * s->n, sizeof *s->out, "the blocks");
+    return OK;
+}
+
+/* Sends the blocks of the sorted cells to the ranks whose slices have these. */
+static status send_blocks(const struct sorting *s, struct delivery *out) {
+    const struct cut_mesh *m = s->m;
+    TRY(delivery_begin(m->cells.comm, s->n, 2, "the blocks", out));
+    for (long i = 0; i < s->n; i++) {
+        out->rank[i] = share_rank(&m->cells, s->place[i].cell);
+        out->record[2 * i] = s->place[i].cell;
+        out->record[2 * i + 1] = (int)((s->first + i) * m->nblocks / m->cells.n);
+    }
+    return delivery_send(out);
 }
 
 static status sort_cells(struct sorting *s, int *block) {
     const struct cut_mesh *m = s->m;
     const struct comm *c = m->cells.comm;
+    struct delivery keys = {.n = 0}, blocks = {.n = 0};
     TRY(comm_agree(c, count_bins(s)));
     comm_sum_long(c, s->before, BINS + 1);
     for (int b = 0; b < BINS; b++) s->before[b + 1] += s->before[b];
-    TRY(comm_agree(c, post(s, m->cells.end - m->cells.first, sorter, fill_key, SENT)));
-    TRY(comm_deliver_int(c, s->out, s->count, &s->in, s->arriving));
-    TRY(comm_agree(c, sort_places(s)));
-    TRY(comm_agree(c, post(s, s->n, holder, fill_block, 2)));
-    TRY(comm_deliver_int(c, s->out, s->count, &s->in, s->arriving));
-    for (long i = 0; i < m->cells.end - m->cells.first; i++) block[s->in[2 * i] - m->cells.first] = s->in[2 * i + 1];
-    return OK;
+    status e = send_keys(s, &keys);
+    if (!e) e = comm_agree(c, sort_places(s, &keys));
+    delivery_free(&keys);
+    if (!e) e = send_blocks(s, &blocks);
+    for (long i = 0; !e && i < blocks.arrived; i++) block[blocks.in[2 * i] - m->cells.first] = blocks.in[2 * i + 1];
+    delivery_free(&blocks);
+    return e;
 }
 
 /* Finds the block of each cell of the slice. */
@@ -176,10 +158,6 @@ static status find_blocks(const struct cut_mesh *m, int *block) {
     const status e = sort_cells(&s, block);
     free(s.before);
     free(s.key);
-    free(s.count);
-    free(s.arriving);
-    free(s.out);
-    free(s.in);
     free(s.place);
     return e;
 }

@@ -31,41 +31,25 @@ static status find_cells(const struct polyhedra *m, int n, int *cell) {
     return OK;
 }
 
-/* Tells each rank which of its cells are ghosts here, in their order, and learns which of mine are ghosts there. */
-static status ask(struct polyhedra *m, const int *rank, int *count, int *arriving) {
-    struct polyhedra_private *h = m->hidden;
-    const int ranks = comm_size(m->comm), nghosts = m->ncells - m->nown;
-    int *wanted = NULL, *next = NULL;
-    status s = allocate(&wanted, nghosts, sizeof *wanted, "the exchange of ghosts");
-    if (!s) s = allocate(&next, ranks + 1L, sizeof *next, "the exchange of ghosts");
-    if (!s) s = pool_take(&m->pool, &h->receive, nghosts, sizeof *h->receive, "the exchange of ghosts");
-    for (int i = 0; !s && i < nghosts; i++) count[rank[i]]++;
-    for (int r = 0; !s && r < ranks; r++) next[r + 1] = next[r] + count[r];
-    for (int i = 0; !s && i < nghosts; i++) {
-        wanted[next[rank[i]]] = m->cell[m->nown + i];
-        h->receive[next[rank[i]]++] = m->nown + i;
-    }
-    s = comm_agree(m->comm, s);
-    if (!s) s = comm_deliver_int(m->comm, wanted, count, &h->send, arriving);
-    free(wanted);
-    free(next);
-    return s;
-}
-
 /* Plans link by link which cells leave (in the order of the receiver's ghosts) and which arrive. */
-static status plan(struct polyhedra *m, const int *count, const int *arriving) {
+static status plan(struct polyhedra *m, const struct delivery *wanted) {
     struct polyhedra_private *h = m->hidden;
-    const int ranks = comm_size(m->comm);
+    const int ranks = comm_size(m->comm), nghosts = m->ncells - m->nown, *count = wanted->count;
     int sent = 0, received = 0;
     TRY(pool_take(&m->pool, &h->link, ranks, sizeof *h->link, "the exchange of ghosts"));
     TRY(pool_take(&m->pool, &h->send_start, ranks + 1L, sizeof *h->send_start, "the exchange of ghosts"));
     TRY(pool_take(&m->pool, &h->receive_start, ranks + 1L, sizeof *h->receive_start, "the exchange of ghosts"));
+    TRY(pool_take(&m->pool, &h->receive, nghosts, sizeof *h->receive, "the exchange of ghosts"));
+    TRY(pool_take(&m->pool, &h->send, wanted->arrived, sizeof *h->send, "the exchange of ghosts"));
+    for (int i = 0; i < nghosts; i++) h->receive[i] = m->nown + wanted->order[i];
     for (int r = 0; r < ranks; r++) {
-        if (arriving[r] == 0 && count[r] == 0) continue;
-        h->link[h->nlinks++] = (struct comm_link){.rank = r, .n = arriving[r] > count[r] ? arriving[r] : count[r]};
-        h->send_start[h->nlinks] = sent += arriving[r];
+        const int leaving = wanted->arriving[r];
+        if (leaving == 0 && count[r] == 0) continue;
+        h->link[h->nlinks++] = (struct comm_link){.rank = r, .n = leaving > count[r] ? leaving : count[r]};
+        h->send_start[h->nlinks] = sent += leaving;
         h->receive_start[h->nlinks] = received += count[r];
     }
+    if (sent) memcpy(h->send, wanted->in, (size_t)sent * sizeof *h->send);
     return find_cells(m, sent, h->send);
 }
 
@@ -79,23 +63,21 @@ static status make_buffers(struct polyhedra *m) {
     return comm_exchange_make(m->comm, h->nlinks, h->link, &h->exchange);
 }
 
+/* Each rank tells the others which of their cells are ghosts here. */
 status halo_make(struct polyhedra *m, const int *rank) {
-    const int ranks = comm_size(m->comm);
-    int *count = NULL;
-    TRY(comm_agree(m->comm, allocate(&count, 2L * ranks, sizeof *count, "the exchange of ghosts")));
-    status s = ask(m, rank, count, count + ranks);
+    const long n = m->ncells - m->nown;
+    struct delivery wanted;
+    status s = delivery_begin(m->comm, n, 1, "the exchange of ghosts", &wanted);
+    if (!s && n) memcpy(wanted.rank, rank, (size_t)n * sizeof *rank);
+    if (!s && n) memcpy(wanted.record, m->cell + m->nown, (size_t)n * sizeof *m->cell);
+    if (!s) s = delivery_send(&wanted);
     if (!s) {
-        s = plan(m, count, count + ranks);
+        s = plan(m, &wanted);
         if (!s) s = make_buffers(m);
         s = comm_agree(m->comm, s);
     }
-    free(count);
+    delivery_free(&wanted);
     return s;
-}
-
-void halo_free(struct polyhedra_private *h) {
-    comm_exchange_free(h->exchange);
-    free(h->send);
 }
 
 void polyhedra_fill_start(struct polyhedra *m, int nvar, double *const *data) {

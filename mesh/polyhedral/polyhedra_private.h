@@ -87,7 +87,6 @@ struct polyhedra_private {
 };
 /* Plans the ghost exchange: rank[ncells - nown] says which rank has a ghost. Collective. */
 status halo_make(struct polyhedra *m, const int *rank);
-void halo_free(struct polyhedra_private *h);
 
 struct member { /* a member of a stencil */
     int cell;   /* of the links, or ~link for the mirror there */

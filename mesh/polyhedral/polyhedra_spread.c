@@ -22,28 +22,17 @@ static status cut_spread(struct work *w, const struct polymesh *all) {
 /* Sends each rank the cells of its blocks. */
 static status send_blocks(struct polyhedra *m, struct work *w) {
     const struct cut *cut = &w->cut;
-    const int ranks = comm_size(m->comm);
     const long n = cut->cells.end - cut->cells.first;
-    int *count = NULL, *out = NULL, *in = NULL;
-    long *next = NULL, arriving = 0;
-    status s = allocate(&count, 2L * ranks, sizeof *count, "the blocks");
-    if (!s) s = allocate(&next, ranks + 1L, sizeof *next, "the blocks");
-    if (!s) s = allocate(&out, 2 * n, sizeof *out, "the blocks");
-    s = comm_agree(m->comm, s);
-    for (long i = 0; !s && i < n; i++) count[cut->rank_of[cut->block[i]]] += 2;
-    for (int r = 0; !s && r < ranks; r++) next[r + 1] = next[r] + count[r];
+    struct delivery d;
+    status s = delivery_begin(m->comm, n, 2, "the blocks", &d);
     for (long i = 0; !s && i < n; i++) {
-        long *at = &next[cut->rank_of[cut->block[i]]];
-        out[(*at)++] = cut->block[i];
-        out[(*at)++] = (int)(cut->cells.first + i);
+        d.rank[i] = cut->rank_of[cut->block[i]];
+        d.record[2 * i] = cut->block[i];
+        d.record[2 * i + 1] = (int)(cut->cells.first + i);
     }
-    if (!s) s = comm_deliver_int(m->comm, out, count, &in, count + ranks);
-    for (int r = 0; !s && r < ranks; r++) arriving += count[ranks + r] / 2;
-    if (!s) s = comm_agree(m->comm, work_blocks(m, w, arriving, (int(*)[2])(void *)in));
-    free(count);
-    free(next);
-    free(out);
-    free(in);
+    if (!s) s = delivery_send(&d);
+    if (!s) s = comm_agree(m->comm, work_blocks(m, w, d.arrived, (int(*)[2])(void *)d.in));
+    delivery_free(&d);
     return s;
 }
 

@@ -197,27 +197,14 @@ static bool take_claims(struct finder *f, long n, const int *claim) {
 /* Sends the claims of a round to the ranks whose slices have the cells. */
 static status send_claims(struct finder *f, bool *good) {
     const struct share *cells = &f->sites->cells;
-    const int size = comm_size(cells->comm);
-    int *count = NULL, *next, *in = NULL;
-    long arrived = 0;
-    if (size == 1) {
+    struct delivery sent;
+    if (comm_size(cells->comm) == 1) {
         *good = *good && take_claims(f, f->nclaims, f->claim);
         return OK;
     }
-    TRY(comm_agree(cells->comm, allocate(&count, 3L * size + 1, sizeof *count, "the cells of a lattice")));
-    next = count + 2 * size;
-    for (int i = 0; i < f->nclaims; i++) count[share_rank(cells, f->claim[CLAIM * i])] += CLAIM;
-    for (int r = 0; r < size; r++) next[r + 1] = next[r] + count[r];
-    for (int i = 0; i < f->nclaims; i++) {
-        const int *c = f->claim + CLAIM * i, rank = share_rank(cells, c[0]);
-        memcpy(f->sorted + next[rank], c, CLAIM * sizeof *c);
-        next[rank] += CLAIM;
-    }
-    const status e = comm_deliver_int(cells->comm, f->sorted, count, &in, count + size);
-    for (int r = 0; r < size && !e; r++) arrived += count[size + r];
-    *good = !e && take_claims(f, arrived / CLAIM, in) && *good;
-    free(in);
-    free(count);
+    const status e = share_deliver(cells, f->nclaims, CLAIM, f->claim, "the cells of a lattice", &sent);
+    *good = !e && take_claims(f, sent.arrived, sent.in) && *good;
+    delivery_free(&sent);
     return e;
 }
 
@@ -241,7 +228,6 @@ static status make_room(struct finder *f) {
     TRY(allocate(&f->sides, s->cells.end - s->cells.first, 1, "the cells of a lattice"));
     TRY(allocate(&f->corner, 4 * faces, sizeof *f->corner, "the faces of a lattice"));
     TRY(allocate(&f->claim, 2 * CLAIM * faces, sizeof *f->claim, "the faces of a lattice"));
-    if (!one) TRY(allocate(&f->sorted, 2 * CLAIM * faces, sizeof *f->sorted, "the faces of a lattice"));
     if (!one) TRY(allocate(&f->name, 4 * faces, sizeof *f->name, "the faces of a lattice"));
     if (!one) TRY(allocate(&f->fetched, 3 * 4 * faces, sizeof *f->fetched, "the faces of a lattice"));
     TRY(allocate(&f->node, 3 * (one ? points : 4 * faces), sizeof *f->node, "the points of a lattice"));
@@ -327,7 +313,7 @@ status sites_find(const struct lists *s, struct polymesh *m, bool *found) {
     *found = false;
     outline_box(s, m->outline);
     const status e = find(&f, found);
-    void *const all[] = {f.sides, f.corner, f.claim, f.sorted, f.name, f.fetched, f.node, f.wall};
+    void *const all[] = {f.sides, f.corner, f.claim, f.name, f.fetched, f.node, f.wall};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     *found = *found && !e;
     if (*found) {

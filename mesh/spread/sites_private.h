@@ -22,9 +22,9 @@ struct finder {
 
     const double *x; /* [points of a round][3] m: all of the one rank, or `fetched` */
     double *fetched;
-    int *node;                    /* [points of a round][3] places on the grid; the first is -1 for a point beside it */
-    int *name, *corner;           /* the points of a round by their numbers; the corners of its faces, by places in x */
-    int nclaims, *claim, *sorted; /* what the faces of a round say: cell, place, side; the same by ranks */
+    int *node;           /* [points of a round][3] places on the grid; the first is -1 for a point beside it */
+    int *name, *corner;  /* the points of a round by their numbers; the corners of its faces, by places in x */
+    int nclaims, *claim; /* what the faces of a round say: cell, place, side */
 
     bool walled[3], closed[3]; /* axes across which faces of this rank lie on patches, on empty ones */
     int patch;                 /* of the last face */

@@ -156,8 +156,8 @@ static status deal(struct spread *s, const struct polymesh *all, const struct li
 
 struct asking { /* what the ranks ask this one for */
     const struct spread *spread;
-    int *cell, *count; /* cells by the ranks that ask for them; [ranks] how many */
-    int *sent;         /* [faces of home] the rank that a face was posted to last, and one, with the sign of the pass */
+    struct delivery cells; /* that they ask for */
+    int *sent; /* [faces of home] the rank that a face was posted to last, and one, with the sign of the pass */
 };
 
 /* Returns the other half of a face of home on a cyclic patch, or -1. */
@@ -183,9 +183,9 @@ static void post_home(struct asking *a, struct post *p, int rank, int face) {
 static void post_cells(struct post *p, void *context) {
     struct asking *a = context;
     const struct spread *s = a->spread;
-    const int *next = a->cell;
+    const int *next = a->cells.in;
     for (int r = 0; r < comm_size(s->comm); r++)
-        for (int i = 0; i < a->count[r]; i++) {
+        for (int i = 0; i < a->cells.arriving[r]; i++) {
             const long cell = *next++ - s->cells.first + s->base;
             for (int k = s->cell_start[cell]; k < s->cell_start[cell + 1]; k++) {
                 const int face = s->cell_face[k];
@@ -197,20 +197,14 @@ static void post_cells(struct post *p, void *context) {
 
 status spread_part(const struct spread *s, const struct polymesh *all, long n, const int *cell, struct mesh_part *out) {
     struct asking a = {.spread = s};
-    const int size = comm_size(s->comm);
-    int *count = NULL, *records = NULL;
+    int *records = NULL;
     long ints = 0;
     *out = (struct mesh_part){.mesh.nfaces = 0};
-    status e = allocate(&count, 2L * size, sizeof *count, "the cells of a part");
-    if (!e) e = allocate(&a.sent, s->home.mesh.nfaces, sizeof *a.sent, "the cells of a part");
-    e = comm_agree(s->comm, e);
-    a.count = e ? NULL : count + size;
-    for (long i = 0; !e && i < n; i++) count[share_rank(&s->cells, cell[i])]++;
-    if (!e) e = comm_deliver_int(s->comm, cell, count, &a.cell, a.count);
+    status e = share_deliver(&s->cells, n, 1, cell, "the cells of a part", &a.cells);
+    if (!e) e = comm_agree(s->comm, allocate(&a.sent, s->home.mesh.nfaces, sizeof *a.sent, "the cells of a part"));
     if (!e) e = deliver(s->comm, post_cells, &a, &records, &ints);
-    free(count);
     free(a.sent);
-    free(a.cell);
+    delivery_free(&a.cells);
     if (!e) e = comm_agree(s->comm, part_of_faces(all, ints, records, out));
     free(records);
     TRY(e);

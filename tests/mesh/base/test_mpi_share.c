@@ -72,6 +72,32 @@ static void the_root_alone_asks(void **state) {
     for (int i = 0; i < n; i++) assert_true(out[i] == value(cell[i], 0));
 }
 
+/* Each rank sends r + 1 records to rank r, round about; they arrive rank by rank, in their order. */
+static void records_are_delivered(void **state) {
+    (void)state;
+    const int rank = comm_rank(world), size = comm_size(world), each = rank + 1;
+    struct delivery d;
+    assert_null(delivery_begin(world, (long)size * (size + 1) / 2, 2, "records", &d));
+    for (int k = 0, i = 0; k < size; k++)
+        for (int r = size - 1; r >= k; r--, i++) {
+            d.rank[i] = r;
+            d.record[2 * i] = rank;
+            d.record[2 * i + 1] = k;
+        }
+    assert_null(delivery_send(&d));
+    assert_int_equal(d.arrived, (long)size * each);
+    for (int i = 0; i < size * each; i++) {
+        assert_int_equal(d.in[2 * i], i / each);
+        assert_int_equal(d.in[2 * i + 1], i % each);
+    }
+    for (int r = 0; r < size; r++) {
+        assert_int_equal(d.count[r], 2 * (r + 1));
+        assert_int_equal(d.arriving[r], 2 * each);
+    }
+    assert_int_equal(d.order[0], size - 1); /* the one record for rank 0 */
+    delivery_free(&d);
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);
@@ -79,6 +105,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(slices_follow_one_another),
         cmocka_unit_test(values_move_to_lists_and_back),
         cmocka_unit_test(the_root_alone_asks),
+        cmocka_unit_test(records_are_delivered),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);

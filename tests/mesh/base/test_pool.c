@@ -28,8 +28,7 @@ static void no_memory(void **state) {
     double *x, *y = (double *)&pool;
     (void)state;
     ok(pool_take(&pool, &x, 3, sizeof *x, "numbers"));
-    says(pool_take(&pool, &y, 1L << 50, sizeof *y, "cells"), "no memory for cells: 1125899906842624 x 8 bytes");
-    says(pool_take(&pool, &y, -1, sizeof *y, "faces"), "no memory for faces");
+    says(pool_take(&pool, &y, -1, sizeof *y, "faces"), "no memory for faces: -1 x 8 bytes");
     assert_ptr_equal(y, &pool);
     x[2] = 1;
     pool_free(&pool);
