@@ -143,14 +143,14 @@ static status place_block(const struct placing *p, int block, long *cells) {
 
 /* ---- neighbours ---- */
 
-struct key { /* a side by its vertices, ascending */
+struct side_key { /* a side by its vertices, ascending */
     int vertex[4];
     struct brick_name name;
 };
 
 static int by_vertices(const void *a, const void *b) {
-    return memcmp(((const struct key *)a)->vertex, ((const struct key *)b)->vertex,
-                  sizeof((const struct key *)a)->vertex);
+    return memcmp(((const struct side_key *)a)->vertex, ((const struct side_key *)b)->vertex,
+                  sizeof((const struct side_key *)a)->vertex);
 }
 
 static int by_value(const void *a, const void *b) {
@@ -166,7 +166,7 @@ static int side_of(const struct brick *x, int own) {
 /* Joins the sides that have the same four vertices. */
 static status join(const struct placing *p) {
     struct boxes *b = p->out;
-    struct key *key;
+    struct side_key *key;
     TRY(allocate(&key, 6L * p->nblocks, sizeof *key, "sides of blocks"));
     for (int i = 0; i < 6 * p->nblocks; i++) {
         for (int c = 0; c < 4; c++) key[i].vertex[c] = p->block[i / 6].vertex[boxes_corner[i % 6][c]];

@@ -153,7 +153,7 @@ static status take_line_count(struct cursor *c, size_t least, const char *what, 
 struct entity {
     int dim, tag, first, count; /* first, count: its groups are owned[first .. first + count) */
 };
-struct reader {
+struct gmsh_reader {
     struct cursor c;
     struct gmsh_file *file;
     bool new_format; /* 4.1 */
@@ -162,10 +162,10 @@ struct reader {
     int *owned; /* [nowned] the groups of all entities, entity by entity */
     long *tag;  /* [npoints] the nodes' numbers in the file */
     long max_tag;
-    int *index_of_tag;  /* [max_tag + 1] index + 1, 0: no such node; NULL where numbers are sparse */
-    struct pair *pairs; /* [npoints] sorted by tag, where numbers are sparse; else NULL */
+    int *index_of_tag;      /* [max_tag + 1] index + 1, 0: no such node; NULL where numbers are sparse */
+    struct node_tag *pairs; /* [npoints] sorted by tag, where numbers are sparse; else NULL */
 };
-struct pair {
+struct node_tag {
     long tag;
     int index;
 };
@@ -208,7 +208,7 @@ status gmsh_file_add(struct gmsh_file *f, const struct gmsh_element *e) {
     return OK;
 }
 
-static status read_format(struct reader *r) {
+static status read_format(struct gmsh_reader *r) {
     struct cursor *c = &r->c;
     double version;
     long binary, bytes;
@@ -252,7 +252,7 @@ static status read_name(struct cursor *c, char **out) {
     return OK;
 }
 
-static status read_names(struct reader *r) {
+static status read_names(struct gmsh_reader *r) {
     struct cursor *c = &r->c;
     long n, dim, tag;
     TRY(take_text_long(c, &n));
@@ -286,7 +286,7 @@ static status grow(void *array, long have, long more, size_t size) {
     return OK;
 }
 
-static status read_entity(struct reader *r, int dim, struct entity *e) {
+static status read_entity(struct gmsh_reader *r, int dim, struct entity *e) {
     struct cursor *c = &r->c;
     double box;
     long n;
@@ -307,7 +307,7 @@ static status read_entity(struct reader *r, int dim, struct entity *e) {
     return OK;
 }
 
-static status read_entities(struct reader *r) {
+static status read_entities(struct gmsh_reader *r) {
     struct cursor *c = &r->c;
     long n[4];
     for (int dim = 0; dim < 4; dim++) TRY(take_count(c, 5, "entities", &n[dim]));
@@ -322,7 +322,7 @@ static status read_entities(struct reader *r) {
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
-static status nodes_start(struct reader *r, long n) {
+static status nodes_start(struct gmsh_reader *r, long n) {
     if (r->file->points) return cursor_fail(&r->c, "a second $Nodes section; allowed is one");
     r->file->npoints = n;
     TRY(allocate(&r->file->points, 3 * n, sizeof(double), "nodes"));
@@ -340,7 +340,7 @@ static status pass_parameters(struct cursor *c) {
     return OK;
 }
 
-static status read_nodes_old(struct reader *r, bool parametric) {
+static status read_nodes_old(struct gmsh_reader *r, bool parametric) {
     struct cursor *c = &r->c;
     long n;
     TRY(take_line_count(c, 8, "nodes", &n));
@@ -353,7 +353,7 @@ static status read_nodes_old(struct reader *r, bool parametric) {
     return OK;
 }
 
-static status read_nodes_new(struct reader *r) {
+static status read_nodes_new(struct gmsh_reader *r) {
     struct cursor *c = &r->c;
     long blocks, n, range, done = 0;
     TRY(take_count(c, 8, "blocks of nodes", &blocks));
@@ -383,11 +383,11 @@ static status read_nodes_new(struct reader *r) {
 }
 
 static int pair_order(const void *a, const void *b) {
-    const struct pair *p = a, *q = b;
+    const struct node_tag *p = a, *q = b;
     return (p->tag > q->tag) - (p->tag < q->tag);
 }
 
-static status index_nodes(struct reader *r) {
+static status index_nodes(struct gmsh_reader *r) {
     long n = r->file->npoints;
     for (long i = 0; i < n; i++) {
         if (r->tag[i] < 0) return cursor_fail(&r->c, "node number %ld; allowed are numbers from 0", r->tag[i]);
@@ -395,7 +395,7 @@ static status index_nodes(struct reader *r) {
     }
     if (r->max_tag > 8 * n + 1024) {
         TRY(allocate(&r->pairs, n, sizeof *r->pairs, "node numbers"));
-        for (long i = 0; i < n; i++) r->pairs[i] = (struct pair){r->tag[i], (int)i};
+        for (long i = 0; i < n; i++) r->pairs[i] = (struct node_tag){r->tag[i], (int)i};
         if (n) qsort(r->pairs, (size_t)n, sizeof *r->pairs, pair_order);
         for (long i = 1; i < n; i++)
             if (r->pairs[i].tag == r->pairs[i - 1].tag)
@@ -411,13 +411,13 @@ static status index_nodes(struct reader *r) {
     return OK;
 }
 
-static status find_node(const struct reader *r, long tag, int *index) {
+static status find_node(const struct gmsh_reader *r, long tag, int *index) {
     *index = -1;
     if (r->index_of_tag) {
         if (tag >= 0 && tag <= r->max_tag) *index = r->index_of_tag[tag] - 1;
     } else if (r->pairs) {
-        struct pair key = {tag, 0};
-        const struct pair *p = bsearch(&key, r->pairs, (size_t)r->file->npoints, sizeof key, pair_order);
+        struct node_tag key = {tag, 0};
+        const struct node_tag *p = bsearch(&key, r->pairs, (size_t)r->file->npoints, sizeof key, pair_order);
         if (p) *index = p->index;
     }
     if (*index < 0)
@@ -445,7 +445,7 @@ static status find_kind(const struct cursor *c, long type, int *kind) {
                        type, name);
 }
 
-static status read_element_nodes(struct reader *r, int bytes, struct gmsh_element *e) {
+static status read_element_nodes(struct gmsh_reader *r, int bytes, struct gmsh_element *e) {
     for (int k = 0; k < 8; k++) e->node[k] = -1;
     for (int k = 0; k < gmsh_shapes[e->kind].nodes; k++) {
         long tag = 0;
@@ -459,7 +459,7 @@ static status read_element_nodes(struct reader *r, int bytes, struct gmsh_elemen
     return OK;
 }
 
-static status read_element_old(struct reader *r, struct gmsh_element *e, int ntags) {
+static status read_element_old(struct gmsh_reader *r, struct gmsh_element *e, int ntags) {
     struct cursor *c = &r->c;
     int dim = gmsh_shapes[e->kind].dim;
     e->group = -1;
@@ -472,7 +472,7 @@ static status read_element_old(struct reader *r, struct gmsh_element *e, int nta
     return gmsh_file_add(r->file, e);
 }
 
-static status read_elements_old(struct reader *r) {
+static status read_elements_old(struct gmsh_reader *r) {
     struct cursor *c = &r->c;
     struct gmsh_element e;
     long n, number, done = 0;
@@ -496,7 +496,7 @@ static status read_elements_old(struct reader *r) {
     return OK;
 }
 
-static status read_block(struct reader *r, long left, long *m) {
+static status read_block(struct gmsh_reader *r, long left, long *m) {
     struct cursor *c = &r->c;
     struct gmsh_element e = {.group = -1};
     struct entity key = {0};
@@ -524,7 +524,7 @@ static status read_block(struct reader *r, long left, long *m) {
     return OK;
 }
 
-static status read_elements_new(struct reader *r) {
+static status read_elements_new(struct gmsh_reader *r) {
     struct cursor *c = &r->c;
     long blocks, n, range, m, done = 0;
     TRY(take_count(c, 8, "blocks of elements", &blocks));
@@ -536,7 +536,7 @@ static status read_elements_new(struct reader *r) {
     return OK;
 }
 
-static status read_elements(struct reader *r) {
+static status read_elements(struct gmsh_reader *r) {
     if (!r->file->points) return cursor_fail(&r->c, "$Elements before $Nodes");
     if (r->file->nelements) return cursor_fail(&r->c, "a second $Elements section; allowed is one");
     if (!r->index_of_tag && !r->pairs) TRY(index_nodes(r));
@@ -545,28 +545,28 @@ static status read_elements(struct reader *r) {
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */
 
-static status read_partitioned(struct reader *r) {
+static status read_partitioned(struct gmsh_reader *r) {
     return cursor_fail(&r->c, "the mesh is partitioned; write it without partitions (Mesh.PartitionSplitMeshFiles and "
                               "PartitionMesh off): the solver cuts it itself");
 }
 
-static status read_nodes(struct reader *r) {
+static status read_nodes(struct gmsh_reader *r) {
     return r->new_format ? read_nodes_new(r) : read_nodes_old(r, false);
 }
 
 /* The nodes of format 2.2 with their parameters on the geometry (Mesh.SaveParametric). */
-static status read_parametric(struct reader *r) {
+static status read_parametric(struct gmsh_reader *r) {
     return read_nodes_old(r, true);
 }
 
-static status read_first_format(struct reader *r) {
+static status read_first_format(struct gmsh_reader *r) {
     return cursor_fail(&r->c, "this is gmsh's format 1, which has no names of groups; mesh the geometry anew: gmsh -3 "
                               "-format msh41 MESH.geo -o MESH.msh");
 }
 
 static const struct {
     const char *name;
-    status (*read)(struct reader *);
+    status (*read)(struct gmsh_reader *);
 } sections[] = {{"MeshFormat", read_format}, {"PhysicalNames", read_names},
                 {"Entities", read_entities}, {"PartitionedEntities", read_partitioned},
                 {"Nodes", read_nodes},       {"ParametricNodes", read_parametric},
@@ -582,7 +582,7 @@ static status skip_section(struct cursor *c, const char *name, int length) {
     return cursor_fail(c, "section $%.*s has no end: the file is truncated", length, name);
 }
 
-static status read_section(struct reader *r, bool *first) {
+static status read_section(struct gmsh_reader *r, bool *first) {
     struct cursor *c = &r->c;
     if (c->text[c->at] != '$') return found(c, "a section ($Nodes, $Elements, ...): is this a .msh file?");
     const char *name = c->text + ++c->at;
@@ -608,7 +608,7 @@ static status read_section(struct reader *r, bool *first) {
     return OK;
 }
 
-static status read_all(struct reader *r) {
+static status read_all(struct gmsh_reader *r) {
     bool first = true;
     for (skip_blanks(&r->c); r->c.at < r->c.size; skip_blanks(&r->c)) TRY(read_section(r, &first));
     if (first)
@@ -624,11 +624,11 @@ status gmsh_file_read(const char *path, struct gmsh_file **out) {
     *out = NULL;
     struct source *source;
     TRY(source_open_named(path, &source));
-    struct reader r = {.c = {.source = source,
-                             .path = source->path,
-                             .text = source->text,
-                             .size = source->size,
-                             .section = "MeshFormat"}};
+    struct gmsh_reader r = {.c = {.source = source,
+                                  .path = source->path,
+                                  .text = source->text,
+                                  .size = source->size,
+                                  .section = "MeshFormat"}};
     r.file = calloc(1, sizeof *r.file);
     status s = r.file ? OK : fail(ERR_SYSTEM, "no memory");
     if (!s && !(r.file->path = strdup(path))) s = fail(ERR_SYSTEM, "no memory");

@@ -9,13 +9,13 @@
 
 enum { MOST_CORNERS = 4, MOST_POINTS = 14 };
 
-struct rule { /* a rule for a simplex; point i is the sum of the simplex's corners times barycentric[i] */
+struct simplex_rule { /* a rule for a simplex; point i is the sum of the simplex's corners times barycentric[i] */
     int npoints;
     double weight[MOST_POINTS], barycentric[MOST_POINTS][MOST_CORNERS];
 };
 
 /* Adds all points with the barycentric coordinate `one` at one corner and `rest` at the others. */
-static void add_corners(struct rule *r, int dim, double one, double rest, double weight) {
+static void add_corners(struct simplex_rule *r, int dim, double one, double rest, double weight) {
     for (int c = 0; c <= dim; c++) {
         for (int k = 0; k <= dim; k++) r->barycentric[r->npoints][k] = k == c ? one : rest;
         r->weight[r->npoints++] = weight;
@@ -24,8 +24,8 @@ static void add_corners(struct rule *r, int dim, double one, double rest, double
 
 /* Fills the rule of Gauss (1D, degree 5), Dunavant (2D, degree 4; Int. J. Numer. Methods Eng. 21, 1985) or Walkington
  * (3D, degree 5; 2000). */
-static void fill_rule(struct rule *r, int dim) {
-    *r = (struct rule){0};
+static void fill_rule(struct simplex_rule *r, int dim) {
+    *r = (struct simplex_rule){0};
     if (dim == 1) {
         const double a = 0.5 * (1 - sqrt(0.6));
         add_corners(r, 1, 1 - a, a, 5. / 18);
@@ -49,7 +49,7 @@ static void fill_rule(struct rule *r, int dim) {
 
 struct filler {
     const struct quadrature *q;
-    struct rule rule;
+    struct simplex_rule rule;
     const double *apex, *centre; /* the corner that all simplices share, the centre of the cell */
     int n;
     double (*x)[3], *weight;
@@ -58,7 +58,7 @@ struct filler {
 /* Adds the points of the simplex of the apex and dim corners. `volume` is in any unit, negative where the apex lies
  * outside the cell. */
 static void add_simplex(struct filler *f, const double *const *corner, double volume) {
-    const struct rule *r = &f->rule;
+    const struct simplex_rule *r = &f->rule;
     for (int i = 0; i < r->npoints; i++, f->n++) {
         memcpy(f->x[f->n], f->centre, sizeof f->x[0]);
         for (int d = 0; d < f->q->dim; d++) {
@@ -171,7 +171,7 @@ int quadrature_cell(const struct quadrature *q, int cell, double (*x)[3], double
 
 static status fill(struct quadrature *q) {
     const struct polymesh *m = q->mesh;
-    struct rule rule;
+    struct simplex_rule rule;
     fill_rule(&rule, q->dim);
     TRY(allocate(&q->face_centre, 6L * m->nfaces, sizeof(double), "the quadrature"));
     q->face_area = q->face_centre + 3L * m->nfaces;

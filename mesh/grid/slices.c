@@ -11,7 +11,7 @@
 static const double ON = 1e-10; /* points nearer to a plane than this part of the mesh's size lie on it */
 enum { MOST_CORNERS = 100000000 };
 
-struct maker {
+struct slice_maker {
     const struct vicinity *v;
     struct slice *out;
     int copies; /* of each corner, at the ends of empty axes */
@@ -46,12 +46,12 @@ void slice_free(struct slice *s) {
     *s = (struct slice){0};
 }
 
-static long hash(const struct maker *m, const struct slice_corner *c) {
+static long hash(const struct slice_maker *m, const struct slice_corner *c) {
     uint64_t h = (uint64_t)c->a * 0x9E3779B97F4A7C15u ^ ((uint64_t)c->b + 0x7F4A7C15u) * 0xBF58476D1CE4E5B9u;
     return (long)((h ^ h >> 29) % (uint64_t)m->table_size);
 }
 
-static long find(const struct maker *m, const struct slice_corner *c) {
+static long find(const struct slice_maker *m, const struct slice_corner *c) {
     long at = hash(m, c);
     while (m->table[at] >= 0) {
         const struct slice_corner *d = &m->out->corner[m->table[at]];
@@ -62,7 +62,7 @@ static long find(const struct maker *m, const struct slice_corner *c) {
 }
 
 /* Keeps the table at most half full. */
-static status widen(struct maker *m) {
+static status widen(struct slice_maker *m) {
     if (2L * (m->out->ncorners / m->copies + 1) < m->table_size) return OK;
     free(m->table);
     m->table_size = 2 * m->table_size + 1021;
@@ -72,7 +72,7 @@ static status widen(struct maker *m) {
     return OK;
 }
 
-static status add_place(struct maker *m, int cell, const struct slice_corner *c) {
+static status add_place(struct slice_maker *m, int cell, const struct slice_corner *c) {
     const struct vicinity *v = m->v;
     struct slice *s = m->out;
     double a[3], b[3], x[3];
@@ -103,7 +103,7 @@ static status add_place(struct maker *m, int cell, const struct slice_corner *c)
 
 /* Finds the corner where a value, which is p at node a and q at b, is 0; one of them is below 0. A new corner is made
  * where there is none. */
-static status corner_at(struct maker *m, int cell, long a, double p, long b, double q, int *out) {
+static status corner_at(struct slice_maker *m, int cell, long a, double p, long b, double q, int *out) {
     struct slice_corner c = {a, b, p / (p - q)};
     if (a > b) c = (struct slice_corner){b, a, q / (q - p)};
     if (p == 0 || q == 0) c = (struct slice_corner){p == 0 ? a : b, p == 0 ? a : b, 0};
@@ -118,7 +118,7 @@ static status corner_at(struct maker *m, int cell, long a, double p, long b, dou
     return OK;
 }
 
-static status add_polygon(struct maker *m, int cell, int n, const int *corner) {
+static status add_polygon(struct slice_maker *m, int cell, int n, const int *corner) {
     struct slice *s = m->out;
     const int used = s->npolygons ? s->start[s->npolygons] : 0;
     for (int i = 0; i < n; i++) {
@@ -167,7 +167,7 @@ struct segment { /* of the polygon that a plane cuts out of a cell */
 };
 
 /* Lists the segments of a cell's outline, right-handed about the plane's normal: faces go around their normal. */
-static status outline(struct maker *m, int cell, int *n, int *room, struct segment **list) {
+static status outline(struct slice_maker *m, int cell, int *n, int *room, struct segment **list) {
     const struct polymesh *mesh = m->v->mesh;
     const double *d = m->distance;
     struct slice_segment s;
@@ -187,7 +187,7 @@ static status outline(struct maker *m, int cell, int *n, int *room, struct segme
 }
 
 /* Joins segments to polygons, which it takes out of the list; `corner` has room for all. */
-static status join(struct maker *m, int cell, int n, struct segment *list, int *corner) {
+static status join(struct slice_maker *m, int cell, int n, struct segment *list, int *corner) {
     while (n > 0) {
         const int first = list[n - 1].from;
         int k = 0, end = list[n - 1].to;
@@ -206,7 +206,7 @@ static status join(struct maker *m, int cell, int n, struct segment *list, int *
     return OK;
 }
 
-static status cut_cells(struct maker *m) {
+static status cut_cells(struct slice_maker *m) {
     struct segment *list = NULL;
     int *corner = NULL, room = 0, corner_room = 0;
     status e = OK;
@@ -227,7 +227,7 @@ static status cut_cells(struct maker *m) {
 }
 
 status slice_plane(const struct vicinity *v, const double point[3], const double normal[3], struct slice *out) {
-    struct maker m = {.v = v, .out = out, .copies = 1};
+    struct slice_maker m = {.v = v, .out = out, .copies = 1};
     const double size = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     const double unit[3] = {normal[0] / size, normal[1] / size, normal[2] / size};
     double *distance = NULL;
@@ -242,7 +242,7 @@ status slice_plane(const struct vicinity *v, const double point[3], const double
 /* ---- level sets ---- */
 
 /* Sets above[] to the values at the nodes of a simplex, less the level. Returns a bit for each node not below. */
-static int heights(const struct maker *m, int n, const long *node, double above[4]) {
+static int heights(const struct slice_maker *m, int n, const long *node, double above[4]) {
     int bits = 0;
     for (int i = 0; i < n; i++) {
         above[i] = vicinity_at_node(m->field, node[i]) - m->level;
@@ -252,7 +252,7 @@ static int heights(const struct maker *m, int n, const long *node, double above[
 }
 
 /* Are four nodes, three of them seen from the first, right-handed? */
-static bool right_handed(const struct maker *m, int cell, const long node[4]) {
+static bool right_handed(const struct slice_maker *m, int cell, const long node[4]) {
     double x[4][3], volume = 0;
     for (int i = 0; i < 4; i++) vicinity_place(m->v, cell, node[i], x[i]);
     for (int k = 0; k < 3; k++) {
@@ -263,13 +263,13 @@ static bool right_handed(const struct maker *m, int cell, const long node[4]) {
     return volume > 0;
 }
 
-static status add_triangle(struct maker *m, int cell, int a, int b, int c) {
+static status add_triangle(struct slice_maker *m, int cell, int a, int b, int c) {
     const int corner[3] = {a, b, c};
     if (a == b || b == c || a == c) return OK; /* it has shrunk to a node or an edge: so have those beside it */
     return add_polygon(m, cell, 3, corner);
 }
 
-static status cut_tetrahedron(struct maker *m, int cell, const long node[4]) {
+static status cut_tetrahedron(struct slice_maker *m, int cell, const long node[4]) {
     /* by the bits of the nodes above: even permutations that begin with the odd one out, or with those above */
     static const int order[16][4] = {{0, 1, 2, 3}, {0, 1, 2, 3}, {1, 0, 3, 2}, {0, 1, 2, 3}, {2, 0, 1, 3}, {0, 2, 3, 1},
                                      {1, 2, 0, 3}, {3, 0, 2, 1}, {3, 0, 2, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}, {2, 0, 1, 3},
@@ -295,7 +295,7 @@ static status cut_tetrahedron(struct maker *m, int cell, const long node[4]) {
 }
 
 /* Adds a rectangle so that its normal points to lower values; `above` belongs to n nodes of its simplex. */
-static status add_rectangle(struct maker *m, int cell, const int around[4], int n, const long *node,
+static status add_rectangle(struct slice_maker *m, int cell, const int around[4], int n, const long *node,
                             const double *above) {
     const double *a = m->out->x[around[0]], *b = m->out->x[around[1]], *c = m->out->x[around[2]];
     const int back[4] = {around[3], around[2], around[1], around[0]};
@@ -312,7 +312,7 @@ static status add_rectangle(struct maker *m, int cell, const int around[4], int 
 }
 
 /* The level set of a triangle is a segment, and along the empty axis a rectangle. */
-static status cut_triangle(struct maker *m, int cell, const long node[3]) {
+static status cut_triangle(struct slice_maker *m, int cell, const long node[3]) {
     double above[4];
     int corner[2], bits = heights(m, 3, node, above), found = 0;
     for (int i = 0; i < 3; i++) {
@@ -327,7 +327,7 @@ static status cut_triangle(struct maker *m, int cell, const long node[3]) {
 }
 
 static status cut_simplex(void *context, int cell, const long node[4]) {
-    struct maker *m = context;
+    struct slice_maker *m = context;
     double above[4];
     int corner;
     if (m->v->dim == 3) return cut_tetrahedron(m, cell, node);
@@ -340,7 +340,7 @@ static status cut_simplex(void *context, int cell, const long node[4]) {
 }
 
 /* Does the level lie between values at the cell's points and centre? Means of faces lie between those of points. */
-static bool is_cut(const struct maker *m, int cell) {
+static bool is_cut(const struct slice_maker *m, int cell) {
     double low = m->field->value[(long)m->field->stride * cell], high = low;
     for (int i = m->v->own_start[cell]; i < m->v->own_start[cell + 1]; i++) {
         const double there = vicinity_at_point(m->field, m->v->point[i]);
@@ -352,7 +352,7 @@ static bool is_cut(const struct maker *m, int cell) {
 
 status slice_level(const struct vicinity_field *f, double level, struct slice *out) {
     const struct vicinity *v = f->v;
-    struct maker m = {.v = v, .out = out, .copies = 1 << (3 - v->dim), .field = f, .level = level};
+    struct slice_maker m = {.v = v, .out = out, .copies = 1 << (3 - v->dim), .field = f, .level = level};
     status e = OK;
     polymesh_bounds(v->mesh, m.low, m.high);
     for (int cell = 0; !e && cell < v->mesh->ncells; cell++)

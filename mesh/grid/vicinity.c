@@ -8,17 +8,17 @@
 
 enum { MOST_IMAGES = 256, MOST_PARTNERS = 64 };
 
-struct pair { /* a point on a cyclic patch, and the point that lies on it when `image` is added */
+struct point_pair { /* a point on a cyclic patch, and the point that lies on it when `image` is added */
     int point, partner, patch;
 };
-struct maker {
+struct vicinity_maker {
     struct pool pool; /* has the lists */
     struct vicinity *v;
     int npairs, nimages;
-    struct pair *pair;    /* [npairs] sorted by point */
-    double (*step)[3];    /* [npatches] shift from the other half to a cyclic patch */
-    int *first;           /* [npoints + 1] into pair */
-    int *around, *inside; /* [npoints + 1], cells that have the point, without images */
+    struct point_pair *pair; /* [npairs] sorted by point */
+    double (*step)[3];       /* [npatches] shift from the other half to a cyclic patch */
+    int *first;              /* [npoints + 1] into pair */
+    int *around, *inside;    /* [npoints + 1], cells that have the point, without images */
 };
 struct image_of { /* a point that lies on another one if shifted */
     int point;
@@ -57,7 +57,7 @@ static void points_of_cells(struct vicinity *v, int *seen, bool list) {
     }
 }
 
-static status list_points(struct maker *k) {
+static status list_points(struct vicinity_maker *k) {
     struct vicinity *v = k->v;
     const struct polymesh *m = v->mesh;
     TRY(pool_take(&v->pool, &v->own_start, m->ncells + 1L, sizeof(int), "cells around points"));
@@ -78,21 +78,21 @@ static status list_points(struct maker *k) {
 /* ---- cyclic patches ---- */
 
 static int by_point(const void *a, const void *b) {
-    const struct pair *p = a, *q = b;
+    const struct point_pair *p = a, *q = b;
     return p->point != q->point       ? (p->point > q->point) - (p->point < q->point)
            : p->partner != q->partner ? (p->partner > q->partner) - (p->partner < q->partner)
                                       : p->patch - q->patch;
 }
 
 /* Pairs the points of a face with those of the face of the other half. */
-static void pair_face(struct maker *k, int patch, int face, int other) {
+static void pair_face(struct vicinity_maker *k, int patch, int face, int other) {
     const struct polymesh *m = k->v->mesh;
     const double *step = k->step[patch];
     for (int i = m->face_start[face]; i < m->face_start[face + 1]; i++) {
         const double *a = m->points + 3L * m->face_points[i];
         double least = HUGE_VAL;
-        struct pair *p = &k->pair[k->npairs++];
-        *p = (struct pair){m->face_points[i], 0, patch};
+        struct point_pair *p = &k->pair[k->npairs++];
+        *p = (struct point_pair){m->face_points[i], 0, patch};
         for (int j = m->face_start[other]; j < m->face_start[other + 1]; j++) {
             const double *b = m->points + 3L * m->face_points[j];
             double away = 0;
@@ -115,7 +115,7 @@ static void find_step(const struct polymesh *m, const struct patch *p, const str
     }
 }
 
-static status pair_points(struct maker *k) {
+static status pair_points(struct vicinity_maker *k) {
     const struct polymesh *m = k->v->mesh;
     long n = 0;
     for (int p = 0; p < m->npatches; p++)
@@ -138,12 +138,12 @@ static status pair_points(struct maker *k) {
 }
 
 /* Lists the points that lie on point p when shifted, itself first; each once. */
-static int find_images(const struct maker *k, int p, struct image_of image[MOST_PARTNERS]) {
+static int find_images(const struct vicinity_maker *k, int p, struct image_of image[MOST_PARTNERS]) {
     int n = 1;
     image[0] = (struct image_of){p, {0, 0, 0}};
     for (int at = 0; at < n; at++)
         for (int i = k->first[image[at].point]; i < k->first[image[at].point + 1]; i++) {
-            const struct pair *q = &k->pair[i];
+            const struct point_pair *q = &k->pair[i];
             bool known = n == MOST_PARTNERS;
             for (int j = 0; j < n; j++) known |= image[j].point == q->partner;
             if (known) continue;
@@ -156,7 +156,7 @@ static int find_images(const struct maker *k, int p, struct image_of image[MOST_
 }
 
 /* Returns the number of a shift in the table, which grows; the last one if that is full. */
-static int image_number(struct maker *k, const double shift[3]) {
+static int image_number(struct vicinity_maker *k, const double shift[3]) {
     double(*table)[3] = k->v->shift;
     for (int i = 0; i < k->nimages; i++) {
         double away = 0, size = 0;
@@ -172,7 +172,7 @@ static int image_number(struct maker *k, const double shift[3]) {
 }
 
 /* Lists the cells around each point, with those of its images. */
-static status surround(struct maker *k) {
+static status surround(struct vicinity_maker *k) {
     struct vicinity *v = k->v;
     const int npoints = v->mesh->npoints;
     struct image_of image[MOST_PARTNERS];
@@ -211,7 +211,7 @@ static status find_border(struct vicinity *v) {
     return OK;
 }
 
-static status fill(struct maker *k) {
+static status fill(struct vicinity_maker *k) {
     TRY(polymesh_cell_faces(k->v->mesh, &k->v->cell_start, &k->v->face));
     TRY(list_points(k));
     TRY(pair_points(k));
@@ -221,7 +221,7 @@ static status fill(struct maker *k) {
 
 status vicinity_make(const struct polymesh *m, const double *centre, int dim, const int axis[3],
                      struct vicinity **out) {
-    struct maker k = {.npairs = 0};
+    struct vicinity_maker k = {.npairs = 0};
     *out = NULL;
     TRY(allocate(&k.v, 1, sizeof *k.v, "cells around points"));
     *k.v = (struct vicinity){.mesh = m, .centre = centre, .dim = dim};

@@ -15,7 +15,7 @@ static const double TOLERANCE = 1e-6; /* of a cell, where coordinates have all t
 enum { DIGITS = 12 };                 /* with more of them rounding is far below the tolerance */
 static const double ROUNDED = 0.1;    /* of a cell: the most that rounding may move a point */
 
-struct search {
+struct lattice_search {
     const struct polymesh *m;
     const struct lattice_part *part; /* where m is a part of the mesh; else NULL */
     long ncells;                     /* of the mesh */
@@ -32,8 +32,8 @@ struct search {
     char *why;
 };
 
-static bool no(struct search *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static bool no(struct search *s, const char *format, ...) {
+static bool no(struct lattice_search *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static bool no(struct lattice_search *s, const char *format, ...) {
     va_list args;
     va_start(args, format);
     vsnprintf(s->why, WHY, format, args);
@@ -42,11 +42,11 @@ static bool no(struct search *s, const char *format, ...) {
 }
 
 /* The number of a cell in the whole mesh. */
-static int name_of(const struct search *s, long cell) {
+static int name_of(const struct lattice_search *s, long cell) {
     return s->part ? s->part->cell[cell] : (int)cell;
 }
 
-static bool is_whole(const struct search *s, long cell) {
+static bool is_whole(const struct lattice_search *s, long cell) {
     return !s->part || s->part->whole[cell];
 }
 
@@ -58,7 +58,7 @@ static void widen(double *restrict box, const double *restrict by) {
     }
 }
 
-static void find_boxes(struct search *s) {
+static void find_boxes(struct lattice_search *s) {
     const struct polymesh *m = s->m;
     const double nowhere[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
     for (long c = 0; c < m->ncells; c++) memcpy(s->box + 6 * c, nowhere, sizeof nowhere);
@@ -77,7 +77,7 @@ static void find_boxes(struct search *s) {
 }
 
 /* Finds the ends of the boxes along an axis, and the sum of their lengths, over all ranks that have parts. */
-static status find_ends(const struct search *s, int k, double *low, double *high, double *sum) {
+static status find_ends(const struct lattice_search *s, int k, double *low, double *high, double *sum) {
     *low = INFINITY;
     *high = -INFINITY;
     *sum = 0;
@@ -101,7 +101,7 @@ static status find_ends(const struct search *s, int k, double *low, double *high
 
 /* Finds the grid on which the boxes would lie: the number of cells from the boxes' mean size, then the width from the
  * whole extent. */
-static status find_grid(struct search *s, bool *found) {
+static status find_grid(struct lattice_search *s, bool *found) {
     *found = true;
     for (int k = 0; k < 3 && *found; k++) {
         double low, high, sum;
@@ -131,7 +131,7 @@ static int count_digits(const struct polymesh *m) {
 /* Widens the tolerance to what rounding may do where the mesh was written with few digits. A point, and the ends of the
  * grid, are then beside their places by half a unit of the last digit of the largest coordinate. Returns false where
  * they have all their digits, or where rounding could hide that cells differ. Collective for parts. */
-static bool loosen(struct search *s) {
+static bool loosen(struct lattice_search *s) {
     double digits = count_digits(s->m);
     bool wider = false;
     if (s->part) comm_max(s->part->comm, &digits, 1);
@@ -145,7 +145,7 @@ static bool loosen(struct search *s) {
     return wider;
 }
 
-static bool place_cells(struct search *s) {
+static bool place_cells(struct lattice_search *s) {
     double places = (double)s->n[0] * s->n[1] * s->n[2];
     s->failed = s->part ? s->part->nfaces : s->m->nfaces; /* behind the faces */
     if (places > INT_MAX || places > HOLES * (double)s->ncells + 1e6)
@@ -192,7 +192,7 @@ static int find_side(const double *box, const double tolerance[3], const double 
     return 2 * k + (all >> k & 1);
 }
 
-static bool find_sides(struct search *s) {
+static bool find_sides(struct lattice_search *s) {
     const struct polymesh *m = s->m;
     double tolerance[3];
     const double *x[4];
@@ -223,13 +223,13 @@ static bool find_sides(struct search *s) {
     return true;
 }
 
-static long place_of(const struct search *s, const int *at) {
+static long place_of(const struct lattice_search *s, const int *at) {
     return at[0] + s->n[0] * (at[1] + (long)s->n[1] * at[2]);
 }
 
 /* Puts each cell in its place, one per place. Neighbours on the grid must share a face, else a wall without thickness
  * stands between them. */
-static bool fill_places(struct search *s) {
+static bool fill_places(struct lattice_search *s) {
     const struct polymesh *m = s->m;
     for (int c = 0; c < m->ncells; c++) {
         int *slot = &s->cell[place_of(s, s->at + 3L * c)];
@@ -251,13 +251,13 @@ static bool fill_places(struct search *s) {
 
 /* ---- empty and cyclic patches ------------------------------------------------------------------------------------ */
 
-static int side_of(const struct search *s, int face) {
+static int side_of(const struct lattice_search *s, int face) {
     for (int i = 0; i < 6; i++)
         if (s->side[6L * s->m->owner[face] + i] == face) return i;
     return -1;
 }
 
-static bool check_empty(struct search *s) {
+static bool check_empty(struct lattice_search *s) {
     const struct polymesh *m = s->m;
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
@@ -272,7 +272,7 @@ static bool check_empty(struct search *s) {
 
 /* Checks that both halves fill opposite ends of the whole grid: face i at (0, j, k) belongs to face i at (n - 1, j,
  * k). */
-static bool check_cyclic(struct search *s, const struct patch *p, const struct patch *q) {
+static bool check_cyclic(struct lattice_search *s, const struct patch *p, const struct patch *q) {
     int axis = -1;
     for (int i = 0; i < p->nfaces; i++) {
         int a = s->m->owner[p->start + i], b = s->m->owner[q->start + i], side = side_of(s, p->start + i);
@@ -292,7 +292,7 @@ static bool check_cyclic(struct search *s, const struct patch *p, const struct p
 }
 
 /* Checks that a cyclic axis is cyclic everywhere: no other patch lies at its ends. */
-static bool check_ends(struct search *s) {
+static bool check_ends(struct lattice_search *s) {
     const struct polymesh *m = s->m;
     for (int i = 0; i < m->npatches; i++) {
         const struct patch *p = &m->patch[i];
@@ -306,7 +306,7 @@ static bool check_ends(struct search *s) {
     return true;
 }
 
-static bool check_patches(struct search *s) {
+static bool check_patches(struct lattice_search *s) {
     const struct polymesh *m = s->m;
     if (!check_empty(s)) return false;
     for (int i = 0; i < m->npatches; i++) {
@@ -322,7 +322,7 @@ static bool check_patches(struct search *s) {
 
 /* ---- the lattice ------------------------------------------------------------------------------------------------- */
 
-static void set_axes(const struct search *s, struct lattice *l) {
+static void set_axes(const struct lattice_search *s, struct lattice *l) {
     int gone = 0;
     for (int k = 0; k < 3; k++) gone += s->gone[k];
     l->thickness = 1;
@@ -339,7 +339,7 @@ static void set_axes(const struct search *s, struct lattice *l) {
 
 /* Makes the lattice in computational axes. Empty axes have one cell, so places keep their order when the axes are
  * renamed. */
-static status make_lattice(const struct search *s, struct lattice *l) {
+static status make_lattice(const struct lattice_search *s, struct lattice *l) {
     const struct polymesh *m = s->m;
     set_axes(s, l);
     if (l->dim == 0)
@@ -354,14 +354,14 @@ static status make_lattice(const struct search *s, struct lattice *l) {
     return OK;
 }
 
-static status make_room(struct search *s) {
+static status make_room(struct lattice_search *s) {
     const long n = s->m->ncells;
     TRY(allocate(&s->box, 6 * n, sizeof *s->box, "the lattice"));
     TRY(allocate(&s->side, 6 * n, sizeof *s->side, "the lattice"));
     return allocate(&s->at, 3 * n, sizeof *s->at, "the lattice");
 }
 
-static status fill_within(struct search *s, bool *is_lattice) {
+static status fill_within(struct lattice_search *s, bool *is_lattice) {
     if (!find_sides(s) || !place_cells(s)) return OK;
     long places = (long)s->n[0] * s->n[1] * s->n[2];
     TRY(allocate(&s->cell, places, sizeof *s->cell, "the lattice"));
@@ -370,7 +370,7 @@ static status fill_within(struct search *s, bool *is_lattice) {
     return OK;
 }
 
-static status fill(struct search *s, bool *is_lattice) {
+static status fill(struct lattice_search *s, bool *is_lattice) {
     bool found;
     if (s->m->ncells == 0) return fail(ERR_INPUT, "mesh: no cells");
     TRY(make_room(s));
@@ -382,7 +382,7 @@ static status fill(struct search *s, bool *is_lattice) {
 }
 
 status lattice_recognise(const struct polymesh *m, struct lattice **out, char why[WHY]) {
-    struct search s = {.m = m, .ncells = m->ncells, .why = why};
+    struct lattice_search s = {.m = m, .ncells = m->ncells, .why = why};
     struct lattice *l = NULL;
     bool is_lattice = false;
     why[0] = 0;
@@ -419,13 +419,13 @@ static void share_reason(const struct comm *c, double failed, char why[WHY], boo
     comm_broadcast(c, why, WHY);
 }
 
-static void rule_out_within(struct search *s, bool *ruled_out) {
+static void rule_out_within(struct lattice_search *s, bool *ruled_out) {
     share_reason(s->part->comm, find_sides(s) ? HUGE_VAL : (double)s->failed, s->why, ruled_out);
     if (!*ruled_out) share_reason(s->part->comm, place_cells(s) ? HUGE_VAL : (double)s->failed, s->why, ruled_out);
 }
 
 status lattice_rule_out(const struct lattice_part *part, bool *ruled_out, char why[WHY]) {
-    struct search s = {.m = part->mesh, .part = part, .ncells = part->ncells, .why = why};
+    struct lattice_search s = {.m = part->mesh, .part = part, .ncells = part->ncells, .why = why};
     bool found = false;
     why[0] = 0;
     *ruled_out = false;

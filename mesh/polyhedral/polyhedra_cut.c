@@ -60,13 +60,13 @@ static int bin_of(const struct cut_mesh *m, uint64_t key) {
 
 /* ---- sorting ----------------------------------------------------------------------------------------------------- */
 
-struct place { /* a cell on the curve */
+struct curve_place { /* a cell on the curve */
     uint64_t key;
     int cell;
 };
 
 static int by_key(const void *a, const void *b) {
-    const struct place *p = a, *q = b;
+    const struct curve_place *p = a, *q = b;
     if (p->key != q->key) return p->key < q->key ? -1 : 1;
     return (p->cell > q->cell) - (p->cell < q->cell);
 }
@@ -75,7 +75,7 @@ struct sorting {
     const struct cut_mesh *m;
     long *before;  /* [BINS + 1] cells of all ranks on the curve before a bin */
     uint64_t *key; /* [cells of the slice] */
-    struct place *place;
+    struct curve_place *place;
     long n, first; /* cells that this rank sorts; those before them */
 };
 
@@ -115,7 +115,7 @@ static status sort_places(struct sorting *s, const struct delivery *d) {
     TRY(allocate(&s->place, s->n, sizeof *s->place, "the blocks"));
     for (long i = 0; i < s->n; i++) {
         const int *from = d->in + SENT * i;
-        s->place[i] = (struct place){(uint64_t)from[0] << HALF | (uint64_t)from[1], from[2]};
+        s->place[i] = (struct curve_place){(uint64_t)from[0] << HALF | (uint64_t)from[1], from[2]};
     }
     qsort(s->place, (size_t)s->n, sizeof *s->place, by_key);
     int bin = 0;
@@ -164,18 +164,18 @@ static status find_blocks(const struct cut_mesh *m, int *block) {
 
 /* ---- ranks ------------------------------------------------------------------------------------------------------- */
 
-struct pair { /* blocks a < b that share faces */
+struct block_pair { /* blocks a < b that share faces */
     int a, b, faces;
 };
 
 static int by_blocks(const void *x, const void *y) {
-    const struct pair *p = x, *q = y;
+    const struct block_pair *p = x, *q = y;
     if (p->a != q->a) return p->a < q->a ? -1 : 1;
     return (p->b > q->b) - (p->b < q->b);
 }
 
 /* Makes one of pairs of the same blocks; returns how many are left. */
-static long join_pairs(struct pair *pair, long n) {
+static long join_pairs(struct block_pair *pair, long n) {
     long left = 0;
     if (n) qsort(pair, (size_t)n, sizeof *pair, by_blocks);
     for (long i = 0; i < n; i++) {
@@ -188,7 +188,7 @@ static long join_pairs(struct pair *pair, long n) {
 }
 
 struct pairs {
-    struct pair *list;
+    struct block_pair *list;
     long n, room;
 };
 
@@ -198,13 +198,13 @@ static status add_pair(struct pairs *p, int a, int b) {
         p->n = join_pairs(p->list, p->n);
         if (2 * p->n >= p->room) {
             const long room = 4 * p->n + 4096;
-            struct pair *more = realloc(p->list, (size_t)room * sizeof *more);
+            struct block_pair *more = realloc(p->list, (size_t)room * sizeof *more);
             if (!more) return fail(ERR_SYSTEM, "no memory for %ld pairs of blocks", room);
             p->list = more;
             p->room = room;
         }
     }
-    p->list[p->n++] = (struct pair){a < b ? a : b, a < b ? b : a, 1};
+    p->list[p->n++] = (struct block_pair){a < b ? a : b, a < b ? b : a, 1};
     return OK;
 }
 
@@ -237,7 +237,7 @@ static void graph_free(struct graph *g) {
 }
 
 /* Joins blocks that share faces, with the number of these faces as weight; blocks have as many cells, but for one. */
-static status graph_make(int nblocks, long n, const struct pair *pair, struct graph *g) {
+static status graph_make(int nblocks, long n, const struct block_pair *pair, struct graph *g) {
     g->n = nblocks;
     TRY(allocate(&g->start, g->n + 2L, sizeof *g->start, "the graph of the blocks"));
     TRY(allocate(&g->to, 2 * n, sizeof *g->to, "the graph of the blocks"));
@@ -285,7 +285,7 @@ static status fill_ranks(int nblocks, int ranks, int *rank_of) {
     return OK;
 }
 
-static status cut_pairs(const struct cut_mesh *m, int ranks, long n, struct pair *pair, int *rank_of) {
+static status cut_pairs(const struct cut_mesh *m, int ranks, long n, struct block_pair *pair, int *rank_of) {
     struct graph g = {0};
     for (int b = 0; b < m->nblocks; b++) rank_of[b] = b;
     if (m->nblocks <= ranks) return OK; /* some ranks stay without */
@@ -304,7 +304,7 @@ static status deal_blocks(const struct cut_mesh *m, const struct comm *c, const 
     status s = comm_agree(c, list_pairs(m, block, &pairs));
     if (!s) s = comm_gather_int(m->cells.comm, (int *)(void *)pairs.list, 3 * pairs.n, &all, &ints);
     free(pairs.list);
-    if (!s && comm_root(c)) s = cut_pairs(m, comm_size(c), ints / 3, (struct pair *)(void *)all, rank_of);
+    if (!s && comm_root(c)) s = cut_pairs(m, comm_size(c), ints / 3, (struct block_pair *)(void *)all, rank_of);
     free(all);
     TRY(comm_agree(c, s));
     comm_broadcast(c, rank_of, m->nblocks * (long)sizeof *rank_of);

@@ -243,18 +243,18 @@ static status make_mirrors(struct polyhedra *m, const struct links *l, const int
 
 /* ---- quadrature -------------------------------------------------------------------------------------------------- */
 
-struct rule {
+struct face_rule {
     int n, room;
     double (*x)[3], *weight;
 };
 
-static void add_point(struct rule *r, const double *x, double weight) {
+static void add_point(struct face_rule *r, const double *x, double weight) {
     for (int k = 0; k < 3; k++) r->x[r->n][k] = x[k];
     r->weight[r->n++] = weight;
 }
 
 /* Adds three points, exact for quadratic functions, weighted by the triangle's area along the normal. */
-static void add_triangle(struct rule *r, const double *a, const double *b, const double *c, const double *normal) {
+static void add_triangle(struct face_rule *r, const double *a, const double *b, const double *c, const double *normal) {
     const double *v[3] = {a, b, c};
     double u[3], w[3], n[3];
     for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], w[k] = c[k] - a[k];
@@ -268,7 +268,7 @@ static void add_triangle(struct rule *r, const double *a, const double *b, const
 
 /* Adds the four Gauss points of the bilinear patch, weighted by its Jacobian along the normal. They are exact for
  * quadratic functions on a plane quadrilateral, as function times Jacobian is cubic along either coordinate. */
-static void add_quad(struct rule *r, const double *v[4], const double *normal) {
+static void add_quad(struct face_rule *r, const double *v[4], const double *normal) {
     const double g = 0.5 - 0.5 / sqrt(3.0);
     for (int i = 0; i < 4; i++) { /* the point nearest to corner i */
         double s = i == 1 || i == 2 ? 1 - g : g, t = i >= 2 ? 1 - g : g, x[3], xs[3], xt[3], n[3];
@@ -289,7 +289,7 @@ static int count_points(const struct links *l, int face, int order) {
     return n <= 4 ? n : 3 * n;
 }
 
-static void place_points_3d(const struct links *l, int face, const struct frame *f, struct rule *r) {
+static void place_points_3d(const struct links *l, int face, const struct frame *f, struct face_rule *r) {
     const int *p = l->mesh->face_points + l->mesh->face_start[face];
     int n = l->mesh->face_start[face + 1] - l->mesh->face_start[face];
     if (n == 3)
@@ -302,7 +302,7 @@ static void place_points_3d(const struct links *l, int face, const struct frame 
             add_triangle(r, f->centre, point_of(l, p[i]), point_of(l, p[(i + 1) % n]), f->normal);
 }
 
-static void place_points(const struct links *l, int face, int order, struct rule *r) {
+static void place_points(const struct links *l, int face, int order, struct face_rule *r) {
     struct frame f;
     measure_face(l, face, &f);
     r->n = 0;
@@ -321,7 +321,7 @@ static void place_points(const struct links *l, int face, int order, struct rule
     for (int i = 0; i < r->n; i++) r->weight[i] /= sum;
 }
 
-static void store_points(struct polyhedra *m, int face, const struct rule *r) {
+static void store_points(struct polyhedra *m, int face, const struct face_rule *r) {
     const int left = m->face.left[face], right = m->face.right[face];
     for (int i = 0, p = m->face.point_start[face]; i < r->n; i++, p++) {
         m->point.face[p] = face;
@@ -335,7 +335,7 @@ static void store_points(struct polyhedra *m, int face, const struct rule *r) {
 
 static status make_points(struct polyhedra *m, const struct links *l, const int *link_of, int order) {
     struct polyhedra_points *p = &m->point;
-    struct rule r = {0};
+    struct face_rule r = {0};
     TRY(pool_take(&m->pool, &m->face.point_start, m->face.n + 1L, sizeof *m->face.point_start,
                   "the points of the faces"));
     for (int i = 0; i < m->face.n; i++) {
@@ -358,7 +358,7 @@ static status make_points(struct polyhedra *m, const struct links *l, const int 
 }
 
 /* Does one pass over the faces of near ghosts that are not mine: counts their points, or (r) puts their arms in. */
-static void walk_rims(struct polyhedra *m, const struct links *l, const int *local, int order, struct rule *r) {
+static void walk_rims(struct polyhedra *m, const struct links *l, const int *local, int order, struct face_rule *r) {
     struct polyhedra_rims *rim = &m->rim;
     for (int i = m->nown, at = 0; i < m->nnear; i++, rim->start[i - m->nown] = at)
         for (int c = m->cell[i], j = l->cell_start[c]; j < l->cell_start[c + 1]; j++) {
@@ -375,7 +375,7 @@ static void walk_rims(struct polyhedra *m, const struct links *l, const int *loc
 }
 
 static status make_rims(struct polyhedra *m, const struct links *l, const int *local, int order) {
-    struct rule r = {0};
+    struct face_rule r = {0};
     const int near = m->nnear - m->nown;
     TRY(pool_take(&m->pool, &m->rim.start, near + 1L, sizeof *m->rim.start, "the points of ghosts"));
     walk_rims(m, l, local, order, NULL);

@@ -30,7 +30,7 @@ struct list { /* what the root has found in the head of a list; the same on ever
     long count;
     long at; /* the byte of the file behind the opening bracket */
 };
-struct reader { /* of a file */
+struct list_reader { /* of a file */
     const struct comm *comm;
     char path[PATH];
     struct list list;
@@ -79,7 +79,7 @@ static bool find_count(struct lexer *l, long *count, long *at) {
     return good;
 }
 
-static bool read_head(struct reader *r, const char *class_name, const char *text, size_t size) {
+static bool read_head(struct list_reader *r, const char *class_name, const char *text, size_t size) {
     struct source head = {.path = r->path, .text = (char *)(uintptr_t)text, .size = size, .file = -1};
     struct lexer l = lexer_start(&head);
     struct foam_header h;
@@ -97,14 +97,14 @@ static bool read_head(struct reader *r, const char *class_name, const char *text
 }
 
 /* Fills the window of the root behind what is left in it. Returns whether the file can be read. */
-static bool refill(struct reader *r) {
+static bool refill(struct list_reader *r) {
     const size_t used = r->next;
     r->next = 0;
     return window_fill(&r->window, used);
 }
 
 /* Looks at the file on the root. */
-static status look(struct reader *r, const char *class_name) {
+static status look(struct list_reader *r, const char *class_name) {
     size_t bytes;
     int file;
     TRY(file_single(r->path));
@@ -130,10 +130,10 @@ static status look(struct reader *r, const char *class_name) {
     return OK;
 }
 
-static status reader_open(struct reader *r, const struct comm *c, const char *dir, const char *name,
+static status reader_open(struct list_reader *r, const struct comm *c, const char *dir, const char *name,
                           const char *class_name) {
     size_t bytes;
-    *r = (struct reader){.comm = c, .file = -1};
+    *r = (struct list_reader){.comm = c, .file = -1};
     snprintf(r->path, sizeof r->path, "%s/%s", dir, name);
     TRY(comm_agree(c, allocate(&r->sent, ROOM, 1, "a part of a file")));
     TRY(comm_agree(c, comm_root(c) ? look(r, class_name) : OK));
@@ -142,7 +142,7 @@ static status reader_open(struct reader *r, const struct comm *c, const char *di
     return comm_agree(c, file_open_pieces(r->path, &r->file, &bytes));
 }
 
-static void reader_close(struct reader *r) {
+static void reader_close(struct list_reader *r) {
     window_close(&r->window);
     if (r->file >= 0) close(r->file);
     free(r->sent);
@@ -164,7 +164,7 @@ static bool read_at(int file, long at, char *to, long n) {
 
 /* Reads the bytes at .. at + n - 1 of the file, which each rank asks for, those of rank 0 first. Of a zipped file the
  * root reads them in pieces and sends them on. */
-static bool read_bytes(struct reader *r, long at, long n, char *to) {
+static bool read_bytes(struct list_reader *r, long at, long n, char *to) {
     const struct comm *c = r->comm;
     long ask[2] = {at, n};
     bool good = true;
@@ -204,7 +204,7 @@ static bool widen(int bytes, bool labels, long n, char *data) {
 }
 
 /* Reads n numbers from number `from` of the list on, which begins at byte `at`. */
-static status read_numbers(struct reader *r, bool labels, long from, long n, struct bytes *out, bool *good) {
+static status read_numbers(struct list_reader *r, bool labels, long from, long n, struct bytes *out, bool *good) {
     const int bytes = labels ? r->list.label_bytes : r->list.scalar_bytes;
     const int room = labels && bytes < 8 ? (int)sizeof(int) : 8;
     TRY(comm_agree(r->comm, allocate(&out->data, n + 1, room, "a slice of a mesh")));
@@ -248,7 +248,7 @@ static const char *read_face(const char *p, int *out) {
 
 /* Adds the next entry of the root's text. Entries stand in lines, so that one ends before the last line end of the
  * window. Returns whether there was one as writers put it. */
-static bool next_entry(struct reader *r, enum entry kind, struct bytes *out, status *e) {
+static bool next_entry(struct list_reader *r, enum entry kind, struct bytes *out, status *e) {
     union {
         double x[3];
         int label, face[1 + MOST_CORNERS];
@@ -273,7 +273,7 @@ static bool next_entry(struct reader *r, enum entry kind, struct bytes *out, sta
 }
 
 /* Sends what is there to a rank. */
-static void send_piece(const struct reader *r, int rank, struct bytes *piece) {
+static void send_piece(const struct list_reader *r, int rank, struct bytes *piece) {
     long n = (long)piece->n;
     if (n == 0) return;
     comm_from_root(r->comm, rank, &n, sizeof n);
@@ -282,7 +282,7 @@ static void send_piece(const struct reader *r, int rank, struct bytes *piece) {
 }
 
 /* Reads the n entries of one rank, none if n is UNUSUAL, and sends them there unless it is the root itself. */
-static bool feed(struct reader *r, enum entry kind, int rank, long n, struct bytes *mine, struct bytes *piece,
+static bool feed(struct list_reader *r, enum entry kind, int rank, long n, struct bytes *mine, struct bytes *piece,
                  status *e) {
     struct bytes *to = rank ? piece : mine;
     bool good = n >= 0;
@@ -297,7 +297,7 @@ static bool feed(struct reader *r, enum entry kind, int rank, long n, struct byt
 }
 
 /* Does the list of the root's text end here? */
-static bool ends(struct reader *r) {
+static bool ends(struct list_reader *r) {
     if (!refill(r)) return false;
     const char *text = r->window.text;
     while (text[r->next] == ' ' || text[r->next] == '\n') r->next++;
@@ -305,7 +305,7 @@ static bool ends(struct reader *r) {
 }
 
 /* Receives the entries of this rank. */
-static bool receive(struct reader *r, struct bytes *out, status *e) {
+static bool receive(struct list_reader *r, struct bytes *out, status *e) {
     const int me = comm_rank(r->comm);
     for (long n;;) {
         comm_from_root(r->comm, me, &n, sizeof n);
@@ -316,14 +316,15 @@ static bool receive(struct reader *r, struct bytes *out, status *e) {
 }
 
 /* The slice of a rank of a list that may be shorter than what is shared. */
-static struct share slice_of(const struct reader *r, const struct share *share, int rank) {
+static struct share slice_of(const struct list_reader *r, const struct share *share, int rank) {
     struct share s = share_at_rank(share, rank);
     if (s.first > r->list.count) s.first = r->list.count;
     if (s.end > r->list.count) s.end = r->list.count;
     return s;
 }
 
-static status read_text(struct reader *r, enum entry kind, const struct share *share, struct bytes *out, bool *good) {
+static status read_text(struct list_reader *r, enum entry kind, const struct share *share, struct bytes *out,
+                        bool *good) {
     struct bytes piece = {0};
     status e = OK;
     *good = true;
@@ -344,7 +345,7 @@ static status read_text(struct reader *r, enum entry kind, const struct share *s
  * entries of all. */
 static status read_list(const struct comm *c, const char *dir, const char *name, enum entry kind, struct share *share,
                         long *n, void *out, bool *good) {
-    struct reader r;
+    struct list_reader r;
     struct bytes b = {0};
     status e = reader_open(&r, c, dir, name, kind == POINT ? "vectorField" : "labelList");
     if (kind == POINT) *share = share_make(c, r.list.count);
@@ -377,7 +378,7 @@ static status split_faces(long n, struct bytes *b, int **start) {
 }
 
 /* Reads a faceCompactList: the offsets of the slice, one more than it has faces, then the corners between them. */
-static status read_compact(struct reader *r, struct lists *s, struct bytes *corner, bool *good) {
+static status read_compact(struct list_reader *r, struct lists *s, struct bytes *corner, bool *good) {
     struct bytes offset = {0};
     const long n = s->faces.end - s->faces.first;
     status e = read_numbers(r, true, s->faces.first, n + 1, &offset, good);
@@ -422,7 +423,7 @@ static status count_corners(struct lists *s, bool *good) {
 }
 
 static status read_faces(const struct comm *c, const char *dir, struct lists *s, bool *good) {
-    struct reader r;
+    struct list_reader r;
     struct bytes b = {0};
     status e = reader_open(&r, c, dir, "faces", "faceList");
     const bool compact = r.list.compact;

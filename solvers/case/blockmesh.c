@@ -62,7 +62,7 @@ void blockmesh_keywords(struct keywords *k) {
     keywords_params(k, default_param, COUNT(default_param));
 }
 
-struct reader {
+struct block_reader {
     struct dict *d;
     int nvertices;
     double *vertex; /* [nvertices][3] m */
@@ -75,7 +75,7 @@ struct reader {
     struct boxes *boxes;
 };
 
-static status read_vertices(struct reader *r) {
+static status read_vertices(struct block_reader *r) {
     const double *given;
     double scale = 1;
     TRY(dict_number_or(r->d, "convertToMeters", NULL, 1, &scale));
@@ -120,7 +120,7 @@ static status read_grading(struct lexer *l) {
     return lexer_expect(l, ')');
 }
 
-static status read_block(struct reader *r, struct lexer *l, const struct token *hex) {
+static status read_block(struct block_reader *r, struct lexer *l, const struct token *hex) {
     struct boxes_block *b = &r->block[r->nblocks];
     struct token t;
     if (r->nblocks == BLOCKS) return lexer_fail(l, hex, "there are more than %d blocks" GO_ON, BLOCKS);
@@ -134,7 +134,7 @@ static status read_block(struct reader *r, struct lexer *l, const struct token *
     return OK;
 }
 
-static status read_blocks(struct reader *r) {
+static status read_blocks(struct block_reader *r) {
     struct lexer l;
     struct token t;
     TRY(dict_raw(r->d, "blocks", &l));
@@ -165,7 +165,7 @@ static status check_none(struct dict *d, const char *key) {
 
 /* ---- patches ---- */
 
-static status read_faces(struct reader *r, struct dict *d, struct boxes_patch *p) {
+static status read_faces(struct block_reader *r, struct dict *d, struct boxes_patch *p) {
     struct lexer l, ahead;
     struct token t;
     int most = 0;
@@ -202,7 +202,7 @@ static status read_groups(struct dict *d, char **out) {
     return OK;
 }
 
-static status read_patch(struct reader *r, struct dict *all, const char *name) {
+static status read_patch(struct block_reader *r, struct dict *all, const char *name) {
     char **groups = &r->groups[r->npatches];
     struct boxes_patch *p = &r->patch[r->npatches++];
     struct dict *d;
@@ -216,7 +216,7 @@ static status read_patch(struct reader *r, struct dict *all, const char *name) {
     return read_faces(r, d, p);
 }
 
-static status read_default(struct reader *r) {
+static status read_default(struct block_reader *r) {
     struct boxes_patch *p = &r->patch[r->npatches];
     struct dict *d;
     p->name = "defaultFaces";
@@ -243,7 +243,7 @@ static bool is_layer(const struct polymesh *m, int patch) {
     return axis >= 0 && m->boxes->n[axis] == 1 && m->patch[patch].nfaces == 2L * m->ncells;
 }
 
-static status read_patches(struct reader *r, struct polymesh **out) {
+static status read_patches(struct block_reader *r, struct polymesh **out) {
     struct dict *all;
     TRY(dict_sub(r->d, "boundary", &all));
     const int n = dict_count(all);
@@ -264,7 +264,7 @@ static status read_patches(struct reader *r, struct polymesh **out) {
         m->patch[n].nfaces, is_layer(m, n) ? "frontAndBack; type empty" : "walls; type wall");
 }
 
-static status read_all(struct reader *r, const char *path, struct polymesh **out) {
+static status read_all(struct block_reader *r, const char *path, struct polymesh **out) {
     TRY(dict_read(path, &r->d));
     TRY(read_vertices(r));
     TRY(read_blocks(r));
@@ -277,7 +277,7 @@ static status read_all(struct reader *r, const char *path, struct polymesh **out
 }
 
 static status read_dictionary(const char *path, struct polymesh **out) {
-    struct reader *r;
+    struct block_reader *r;
     TRY(allocate(&r, 1, sizeof *r, "blocks"));
     const status s = read_all(r, path, out);
     for (int i = 0; r->patch && i < r->npatches; i++) free(r->patch[i].face);

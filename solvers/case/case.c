@@ -232,7 +232,7 @@ static status warn_beside(struct setup *s) {
                 s->dir, s->start.name);
 }
 
-status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
+status case_read(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c,
                  struct setup **out) {
     struct setup *s = NULL;
     *out = NULL;

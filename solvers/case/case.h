@@ -45,13 +45,13 @@ struct setup { /* the same on every rank, but for the grid */
     struct medium *medium;
     struct instant start;
 };
-struct reading {
+struct case_reading {
     bool strict;         /* are warnings errors? */
     bool afresh;         /* does the run start from 0.orig, whatever startFrom says? */
     struct cures *cures; /* gets those of the warnings; NULL: nobody asks */
 };
 /* Reads and checks the case in `dir` for a type of medium, and the state it starts from. Collective. */
-status case_read(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
+status case_read(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c,
                  struct setup **out);
 void case_free(struct setup *s);
 /* Returns the number of lines, along axis[], that a quantity's values have in the medium's `block`. */

@@ -58,12 +58,12 @@ status changes_check_mesh(const struct setup *s) {
 
 /* ---- two printed dictionaries, entry by entry ---- */
 
-struct entry {
+struct changed_entry {
     char *key, *value; /* key: with the names of the dictionaries around it, "grain.restitution" */
 };
 struct entries {
     int n, room;
-    struct entry *entry;
+    struct changed_entry *entry;
 };
 
 static void entries_free(struct entries *e) {
@@ -76,13 +76,13 @@ static void entries_free(struct entries *e) {
 
 static void add_entry(struct entries *e, const char *key, const char *value) {
     if (e->n == e->room) {
-        struct entry *more = realloc(e->entry, (size_t)(2 * e->room + 32) * sizeof *more);
+        struct changed_entry *more = realloc(e->entry, (size_t)(2 * e->room + 32) * sizeof *more);
         if (!more) return;
         e->entry = more;
         e->room = 2 * e->room + 32;
     }
-    struct entry *one = &e->entry[e->n];
-    *one = (struct entry){strdup(key), strdup(value)};
+    struct changed_entry *one = &e->entry[e->n];
+    *one = (struct changed_entry){strdup(key), strdup(value)};
     if (one->key && one->value) {
         e->n++;
         return;

@@ -94,7 +94,7 @@ static double square(double a) {
     return a * a;
 }
 
-static const struct function {
+static const struct expr_function {
     const char *name;
     double (*one)(double);
     double (*two)(double, double);
@@ -192,7 +192,7 @@ static status scalar(struct compiler *c) {
                      : OK;
 }
 
-static status call(struct compiler *c, const struct function *f) {
+static status call(struct compiler *c, const struct expr_function *f) {
     TRY(bracket(c, '(', "expected '(' after the name of a function"));
     TRY(scalar(c));
     if (f->two) {

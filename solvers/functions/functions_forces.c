@@ -4,15 +4,14 @@
  * the step, so that the sum of force times dt is the momentum that the gas has lost, to round-off. */
 #include "solvers/functions/functions_patches.h"
 
-
-struct forces {
+struct force_table {
     struct patch_choice patches;
     double centre[3], pressure; /* m, Pa */
 };
 
 static const char *const rho_words[] = {"rho", NULL}, *const p_words[] = {"p", NULL}, *const U_words[] = {"U", NULL},
                          *const no_words[] = {"no", "off", "false", NULL};
-#define PARAM_STRUCT struct forces
+#define PARAM_STRUCT struct force_table
 static const struct param forces_param[] = {
     NOTED("patches", "list of words", NULL, "names, groups, or quoted regular expressions", "patches (\".*\");"),
     VECTOR("CofR", centre, REQUIRED, ANY_NUMBER, UNIT(0, 1, 0), "the point that moments are taken about"),
@@ -26,7 +25,7 @@ static const struct param forces_param[] = {
 };
 
 static status forces_make(struct function *f, struct dict *d) {
-    struct forces *o = f->own;
+    struct force_table *o = f->own;
     return patches_read(f, d, "patches", &o->patches);
 }
 
@@ -45,7 +44,7 @@ static void print_depth(const struct function *f, FILE *file) {
 
 static void forces_head(const struct function *f, int i, FILE *o) {
     static const char *const titles[] = {"Force", "Moment"};
-    const double *centre = ((const struct forces *)f->own)->centre;
+    const double *centre = ((const struct force_table *)f->own)->centre;
     fprintf(o, "# %s\n# %-12s: (%.12g %.12g %.12g)\n", titles[i], "CofR", centre[0], centre[1], centre[2]);
     print_depth(f, o);
     fprintf(o,
@@ -74,7 +73,7 @@ static status forces_write(struct function *f, double t, struct force *all) {
 }
 
 static status forces_execute(struct function *f, const struct moment *now, const char *time) {
-    struct forces *o = f->own;
+    struct force_table *o = f->own;
     struct force all;
     double dt;
     (void)time;
@@ -88,7 +87,7 @@ const struct function_type function_forces = {
     .name = "forces",
     .about = "force and moment on patches by pressure and viscous stress, mean over the step; no `fields`",
     FUNCTION_PARAMS(forces_param),
-    .size = sizeof(struct forces),
+    .size = sizeof(struct force_table),
     .make = forces_make,
     .execute = forces_execute,
     .table = {"force.dat", "moment.dat"},

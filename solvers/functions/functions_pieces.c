@@ -208,7 +208,7 @@ static status take_faces(struct making *m, const struct patch_choice *c) {
     const struct polymesh *mesh = m->f->setup->mesh;
     TRY(pool_take(m->f->pool, &m->out->run, mesh->npatches, sizeof *m->out->run, "a surface"));
     for (int p = 0; p < mesh->npatches; p++) {
-        if (c->takes[p]) m->out->run[m->out->nruns++] = (struct run){p, mesh->patch[p].nfaces};
+        if (c->takes[p]) m->out->run[m->out->nruns++] = (struct patch_run){p, mesh->patch[p].nfaces};
         for (int i = 0; i < mesh->patch[p].nfaces && c->takes[p]; i++) {
             double centre[3], area[3];
             polymesh_patch_face(mesh, p, i, centre, area);

@@ -12,9 +12,6 @@ struct piece {
     double area, normal[3]; /* m^2, unit: out of the mesh, or that of the plane */
     int first, count;       /* of its neighbours: */
 };
-struct pick { /* a cell of this rank whose value is wanted */
-    int block, cell, slot;
-};
 struct surface {
     int n;
     struct piece *piece; /* [n] */
@@ -24,7 +21,7 @@ struct surface {
     struct pick *pick;   /* [npicks] block by block */
     double area;         /* m^2 */
     struct edges *edges; /* of patches: makes their values of those in the cells; else NULL */
-    struct run {
+    struct patch_run {
         int patch, n;
     } * run; /* [nruns] the patches that the pieces are faces of, one after the other; else NULL */
     int nruns;

@@ -110,6 +110,9 @@ struct spot {    /* a point and the cell that holds it */
     int block;   /* block of this rank; -1: the point is on another rank, or outside */
     int cell;    /* index in the block */
 };
+struct pick { /* a cell of this rank whose value is wanted */
+    int block, cell, slot;
+};
 enum { MOST_SPOTS = 1000000 }; /* of one function object */
 struct spots {
     int n;

@@ -20,7 +20,7 @@ struct sets {
 
 static const char *const axis_names[] = {"x", "y", "z", "distance", "xyz", NULL};
 static const char *const types[] = {"uniform", NULL}, *const formats[] = {"raw", NULL};
-struct ends { /* what a line's dictionary says beside its axis */
+struct line_ends { /* what a line's dictionary says beside its axis */
     double start[3], end[3];
     int n;
 };
@@ -30,7 +30,7 @@ static const struct param axis_param[] = {
     CHOICE("axis", axis, REQUIRED, axis_names, "coordinate that is written"),
 };
 #undef PARAM_STRUCT
-#define PARAM_STRUCT struct ends
+#define PARAM_STRUCT struct line_ends
 static const struct param ends_param[] = {
     VECTOR("start", start, REQUIRED_AS("start (0.01 0 0);"), ANY_NUMBER, UNIT(0, 1, 0), "first point"),
     VECTOR("end", end, REQUIRED_AS("end (0.01 0.04 0);"), ANY_NUMBER, UNIT(0, 1, 0), "last point"),
@@ -57,7 +57,7 @@ static void sets_keywords(struct keywords *k) {
 
 static status set_make(struct function *f, struct sets *sets, const char *name, struct dict *d) {
     struct line *l = &sets->line[sets->nlines];
-    struct ends ends;
+    struct line_ends ends;
     double *points;
     TRY(params_read(d, axis_param, COUNT(axis_param), l));
     TRY(params_read(d, ends_param, COUNT(ends_param), &ends));

@@ -51,9 +51,6 @@ status spots_add(struct spots *s, const struct function *f, struct dict *d, cons
  *
  * The root finds the simplices, and the cells whose values they need; every rank sends its cells' values. */
 
-struct pick { /* a cell of this rank whose value is wanted */
-    int block, cell, slot;
-};
 struct corner { /* of the simplex that holds a spot: spots[4], on the root */
     long node;
     double weight;

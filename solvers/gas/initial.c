@@ -15,7 +15,7 @@ struct calm {          /* of layers without waves */
     double background; /* least alpha */
 };
 
-struct reader { /* what the functions below share */
+struct initial_reader { /* what the functions below share */
     const char *case_dir;
     const struct instant *at;
     const struct field_place *place;
@@ -24,16 +24,16 @@ struct reader { /* what the functions below share */
     struct calm *calm; /* NULL; or layers are read without waves, and this is filled in */
 };
 
-static void path_of(const struct reader *r, const char *name, char path[TIME_PATH]) {
+static void path_of(const struct initial_reader *r, const char *name, char path[TIME_PATH]) {
     snprintf(path, TIME_PATH, "%s/%s/%s", r->case_dir, r->at->folder, name);
 }
-static bool there(const struct reader *r, const char *name) {
+static bool there(const struct initial_reader *r, const char *name) {
     char path[TIME_PATH];
     path_of(r, name, path);
     return field_exists(path);
 }
 
-static status read_fields(struct reader *r, struct initial *s) {
+static status read_fields(struct initial_reader *r, struct initial *s) {
     struct layers *layers[FIELD_COUNT] = {NULL};
     status e = OK;
     for (int i = 0; i < FIELD_COUNT && !e; i++) {
@@ -56,7 +56,7 @@ static status read_fields(struct reader *r, struct initial *s) {
 #define FROM_OPENFOAM                                                                                                  \
     "; a case of OpenFOAM has p and T in kelvin: there rho = p/(R T), and T becomes R T (docs/fromOpenFOAM.md)"
 
-static status read_files(struct reader *r, struct initial *s) {
+static status read_files(struct initial_reader *r, struct initial *s) {
     static const enum field_id pairs[2][2] = {{FIELD_RHO, FIELD_ALPHA}, {FIELD_T, FIELD_P}};
     bool written = there(r, "uniform/time");
     s->mapped = !written && r->at->t == 0 && there(r, "rho") && there(r, "alpha") && there(r, "T") && there(r, "p") &&
@@ -82,11 +82,11 @@ static status read_files(struct reader *r, struct initial *s) {
 }
 
 /* Has the folder the conserved fields of an earlier run, which restart it bit by bit? */
-static bool continued(const struct reader *r) {
+static bool continued(const struct initial_reader *r) {
     return there(r, "uniform/time") && there(r, "rho") && there(r, "rhoU") && there(r, "rhoE");
 }
 
-static status check_values(const struct reader *r, const struct initial *s) {
+static status check_values(const struct initial_reader *r, const struct initial *s) {
     const struct material *m = &r->models->material;
     const double limit[FIELD_COUNT] = {[FIELD_RHO] = density_limit(r->models->eos, m),
                                        [FIELD_ALPHA] = packing_limit(r->models->eos, m),
@@ -121,7 +121,7 @@ static bool moves_along(const struct field *U, const struct field_place *place, 
 }
 
 /* Finds the axes that the mesh lacks along which gas moves. */
-static void find_components(struct reader *r, const struct field *U, const bool moved[3]) {
+static void find_components(struct initial_reader *r, const struct field *U, const bool moved[3]) {
     double leads[3] = {0, 0, 0};
     bool solved[3] = {false, false, false};
     r->components = r->dim;
@@ -132,7 +132,7 @@ static void find_components(struct reader *r, const struct field *U, const bool 
         if (leads[x] > 0) r->axis[r->components++] = x;
 }
 
-static status take_velocity(const struct reader *r, struct initial *s) {
+static status take_velocity(const struct initial_reader *r, struct initial *s) {
     const struct field *U = s->field[FIELD_U];
     const long n = s->ncells;
     s->components = r->components;
@@ -144,7 +144,7 @@ static status take_velocity(const struct reader *r, struct initial *s) {
     return OK;
 }
 
-static status take_state(const struct reader *r, struct initial *s) {
+static status take_state(const struct initial_reader *r, struct initial *s) {
     const long n = s->ncells;
     const double per = packing_per_density(&r->models->material);
     TRY(allocate(&s->rho, n, sizeof(double), "density"));
@@ -163,7 +163,7 @@ static status take_state(const struct reader *r, struct initial *s) {
 }
 
 /* Fails if U or T differ from the conserved fields: these win, so that a change by the user would be ignored. */
-static status check_agreement(const struct reader *r, const struct initial *s) {
+static status check_agreement(const struct initial_reader *r, const struct initial *s) {
     const double *const *q = (const double *const *)s->conserved;
     double tolerance = fmax(1e-9, 10 * pow(10, -r->at->digits)), fastest = 0;
     for (long i = 0; i < s->ncells; i++)
@@ -187,7 +187,7 @@ static status check_agreement(const struct reader *r, const struct initial *s) {
     return OK;
 }
 
-static status read_raw(const struct reader *r, const char *name, int components, double **out) {
+static status read_raw(const struct initial_reader *r, const char *name, int components, double **out) {
     char path[TIME_PATH];
     int found;
     path_of(r, name, path);
@@ -198,7 +198,7 @@ static status read_raw(const struct reader *r, const char *name, int components,
     return fail(ERR_INPUT, "%s: it has %d component%s; %d expected", path, found, found == 1 ? "" : "s", components);
 }
 
-static status take_conserved(const struct reader *r, struct initial *s) {
+static status take_conserved(const struct initial_reader *r, struct initial *s) {
     if (there(r, "rhoU") != there(r, "rhoE"))
         return fail(ERR_INPUT, "%s/%s: %s is there without %s; remove it to start from U and T", r->case_dir,
                     r->at->folder, there(r, "rhoU") ? "rhoU" : "rhoE", there(r, "rhoU") ? "rhoE" : "rhoU");
@@ -253,7 +253,7 @@ static void take_values(const struct initial *s, int p, int i, int nfaces) {
 }
 
 /* Takes rule i of a patch. */
-static status take_rule(const struct reader *r, struct initial *s, int p, int i) {
+static status take_rule(const struct initial_reader *r, struct initial *s, int p, int i) {
     const struct field *f = s->field[s->from[p][i]];
     const struct patch_field *q = &f->patch[p];
     const int m = f->kind->components == 3 ? s->components : 1, nfaces = r->place->mesh->patch[p].nfaces;
@@ -297,7 +297,7 @@ status initial_renew(void *initial, double t) {
 }
 
 /* Finds which of two fields gives a patch's rule: the first that is there and not `calculated`. */
-static status which(const struct reader *r, const struct initial *s, int p, enum field_id a, enum field_id b,
+static status which(const struct initial_reader *r, const struct initial *s, int p, enum field_id a, enum field_id b,
                     enum field_id *out) {
     const enum field_id both[2] = {a, b};
     for (int i = 0; i < 2; i++) {
@@ -311,7 +311,7 @@ static status which(const struct reader *r, const struct initial *s, int p, enum
 }
 
 /* Fails if the velocity u of a wall leads through the face with this centre (m) and area vector. */
-static status check_motion(const struct reader *r, const struct field *U, int p, const double u[3],
+static status check_motion(const struct initial_reader *r, const struct field *U, int p, const double u[3],
                            const double centre[3], const double area[3]) {
     const double size = sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
     if (leads_along(3, u, (u[0] * area[0] + u[1] * area[1] + u[2] * area[2]) / size)) return OK;
@@ -322,7 +322,7 @@ static status check_motion(const struct reader *r, const struct field *U, int p,
 }
 
 /* Fails unless a wall that moves leads along each face of its patch. */
-static status check_tangential(const struct reader *r, const struct field *U, int p) {
+static status check_tangential(const struct initial_reader *r, const struct field *U, int p) {
     const struct polymesh *m = r->place->mesh;
     const struct patch_field *q = &U->patch[p];
     struct patch_rules given = {
@@ -339,7 +339,7 @@ static status check_tangential(const struct reader *r, const struct field *U, in
 
 /* Fails on a patch that gives mass to a gas that was to have implicit acoustics: there open patches hold the pressure.
  * Automatic acoustics are explicit then. */
-static status check_feed(const struct reader *r, const struct initial *s, int p) {
+static status check_feed(const struct initial_reader *r, const struct initial *s, int p) {
     const struct field *U = s->field[FIELD_U];
     const struct acoustics *a = r->models->acoustics;
     if (!patch_feeds(&s->rules[p]) || !a->implicit || a->automatic) return OK;
@@ -365,7 +365,7 @@ static struct varying_lead lead_of(const struct polymesh *m, const struct patch_
 
 /* A velocity that is given and leads along a patch everywhere, at all times, lets nothing through: that is a wall, and
  * has the row of one. Only where alpha and T are given, too, is it the state of the gas outside, and the side open. */
-static status check_along(const struct reader *r, struct initial *s, int p) {
+static status check_along(const struct initial_reader *r, struct initial *s, int p) {
     struct patch_rules *rules = &s->rules[p];
     const struct field *U = s->field[FIELD_U];
     if (!rule_fixes(&rules->velocity)) return OK;
@@ -381,7 +381,7 @@ static status check_along(const struct reader *r, struct initial *s, int p) {
                 r->models->transport ? "noSlip;  or  type translatingWallVelocity" : "slip");
 }
 
-static status check_viscous(const struct reader *r, const struct field *f, int p) {
+static status check_viscous(const struct initial_reader *r, const struct field *f, int p) {
     const struct boundary_type *type = boundary_find(f->patch[p].type);
     if (!type || !type->transport || r->models->transport) return OK;
     return fail(ERR_INPUT,
@@ -392,7 +392,7 @@ static status check_viscous(const struct reader *r, const struct field *f, int p
 
 /* Fails on a patch that is no wall by U if it is one in the mesh, or if a scalar's type belongs to walls, as
  * granularWall does. */
-static status check_open(const struct reader *r, struct initial *s, int p, enum field_id density,
+static status check_open(const struct initial_reader *r, struct initial *s, int p, enum field_id density,
                          enum field_id thermal) {
     const enum field_id scalars[2] = {density, thermal};
     const struct field *U = s->field[FIELD_U];
@@ -414,7 +414,7 @@ static status check_open(const struct reader *r, struct initial *s, int p, enum 
 }
 
 /* Fails on a scalar's type that gives values at a wall: there scalars are mirrored, but for T if heat crosses. */
-static status check_wall(const struct reader *r, const struct initial *s, int p, enum field_id density,
+static status check_wall(const struct initial_reader *r, const struct initial *s, int p, enum field_id density,
                          enum field_id thermal) {
     const enum field_id scalars[2] = {density, thermal};
     for (int i = 0; i < 2; i++) {
@@ -432,7 +432,7 @@ static status check_wall(const struct reader *r, const struct initial *s, int p,
 }
 
 /* Fails if the type of a rule objects to the other rules of the patch. */
-static status check_rules(const struct reader *r, const struct initial *s, int p, enum field_id id,
+static status check_rules(const struct initial_reader *r, const struct initial *s, int p, enum field_id id,
                           const struct rule *rule) {
     const struct field *f = s->field[id];
     const char *objection = rule->type && rule->type->objection ? rule->type->objection(&s->rules[p]) : NULL;
@@ -441,7 +441,7 @@ static status check_rules(const struct reader *r, const struct initial *s, int p
                 r->place->mesh->patch[p].name, f->kind->name, rule->type->model.name, objection);
 }
 
-static status take_patch(const struct reader *r, struct initial *s, int p) {
+static status take_patch(const struct initial_reader *r, struct initial *s, int p) {
     struct patch_rules *rules = &s->rules[p];
     enum field_id density, thermal;
     const char *type = r->place->mesh->patch[p].type;
@@ -464,7 +464,7 @@ static status take_patch(const struct reader *r, struct initial *s, int p) {
     return check_rules(r, s, p, thermal, &rules->temperature);
 }
 
-static status read_all(struct reader *r, const bool moved[3], struct initial *s) {
+static status read_all(struct initial_reader *r, const bool moved[3], struct initial *s) {
     if (r->place->share) s->share = *r->place->share;
     s->sliced = r->place->share != NULL;
     s->ncells = field_ncells(r->place);
@@ -486,7 +486,7 @@ static status read_all(struct reader *r, const bool moved[3], struct initial *s)
 
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     const int axis[3], const bool moved[3], const struct gas_models *models, struct initial **out) {
-    struct reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL};
+    struct initial_reader r = {case_dir, at, place, dim, dim, {axis[0], axis[1], axis[2]}, models, NULL};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "initial state"));
@@ -517,7 +517,7 @@ status initial_warn(const struct initial *s, bool transport, struct warnings *w)
     return OK;
 }
 
-static status read_rest(struct reader *r, struct initial *s) {
+static status read_rest(struct initial_reader *r, struct initial *s) {
     const int n = r->place->mesh->ncells;
     s->ncells = n;
     TRY(read_files(r, s));
@@ -533,7 +533,7 @@ static status read_rest(struct reader *r, struct initial *s) {
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     int components, const int axis[3], const struct gas_models *models, struct initial **out) {
     struct calm calm = {0};
-    struct reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm};
+    struct initial_reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "state at rest"));

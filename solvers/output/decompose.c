@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-struct item { /* a face of a part; group: INSIDE, a patch of the case, or a processor patch (group_of) */
+struct part_face { /* a face of a part; group: INSIDE, a patch of the case, or a processor patch (group_of) */
     int group, face, cell, across;
 };
 enum { INSIDE = -1 };
@@ -20,7 +20,7 @@ struct cutter {                 /* scratch while the parts are made */
     int *owner_part; /* [ncells] part */
     int *local;      /* [ncells] cell in its part */
     int *point;      /* [npoints] point in the part being made, -1: none */
-    struct item *item;
+    struct part_face *item;
 };
 
 /* Returns the group of a processor patch. Groups come after the case's patches, by neighbour part; a patch through a
@@ -30,7 +30,7 @@ static int group_of(const struct polymesh *m, int other, int cyclic) {
 }
 
 static int by_group(const void *a, const void *b) {
-    const struct item *p = a, *q = b;
+    const struct part_face *p = a, *q = b;
     return p->group != q->group ? (p->group > q->group) - (p->group < q->group)
                                 : (p->face > q->face) - (p->face < q->face);
 }
@@ -40,9 +40,9 @@ static int collect_inside(const struct cutter *c, int part, int n) {
     for (int f = 0; f < m->ninternal; f++) {
         int a = m->owner[f], b = m->neighbour[f], pa = c->owner_part[a], pb = c->owner_part[b];
         if (pa == part)
-            c->item[n++] = (struct item){pb == part ? INSIDE : group_of(m, pb, -1), f, a, b};
+            c->item[n++] = (struct part_face){pb == part ? INSIDE : group_of(m, pb, -1), f, a, b};
         else if (pb == part)
-            c->item[n++] = (struct item){group_of(m, pa, -1), f, b, a};
+            c->item[n++] = (struct part_face){group_of(m, pa, -1), f, b, a};
     }
     return n;
 }
@@ -56,7 +56,8 @@ static int collect_boundary(const struct cutter *c, int part, int n) {
             int cell = m->owner[patch->start + i], behind = half ? m->owner[half->start + i] : cell;
             if (c->owner_part[cell] != part) continue;
             int other = c->owner_part[behind];
-            c->item[n++] = (struct item){other == part ? p : group_of(m, other, p), patch->start + i, cell, behind};
+            c->item[n++] =
+                (struct part_face){other == part ? p : group_of(m, other, p), patch->start + i, cell, behind};
         }
     }
     return n;
@@ -114,7 +115,7 @@ static status make_faces(const struct cutter *c, int n, struct part *part) {
     TRY(pool_take(c->pool, &part->across, n, sizeof(int), "faces"));
     m->nfaces = n;
     for (int i = 0; i < n; i++) {
-        const struct item *t = &c->item[i];
+        const struct part_face *t = &c->item[i];
         const int *from = all->face_points + all->face_start[t->face];
         int size = all->face_start[t->face + 1] - all->face_start[t->face], *to = m->face_points + m->face_start[i];
         bool flipped = all->owner[t->face] != t->cell; /* the normal points out of the part */

@@ -279,7 +279,7 @@ status vtk_write_polygons(const char *path, bool ascii, double t, long step, con
     return sink_close(o.sink);
 }
 
-struct entry {
+struct series_entry {
     char name[256];
     double t;
 };
@@ -301,12 +301,12 @@ static bool file_time(const char *folder, const char *name, double *t) {
 }
 
 static int by_time(const void *a, const void *b) {
-    const struct entry *p = a, *q = b;
+    const struct series_entry *p = a, *q = b;
     return p->t < q->t ? -1 : p->t > q->t ? 1 : strcmp(p->name, q->name);
 }
 
 static status find_files(const char *folder, const char *name, const char *ending, double latest, int *n,
-                         struct entry **list) {
+                         struct series_entry **list) {
     DIR *d = opendir(folder);
     if (!d) return fail(ERR_SYSTEM, "%s: %s", folder, strerror(errno));
     status s = OK;
@@ -314,14 +314,14 @@ static status find_files(const char *folder, const char *name, const char *endin
     int room = 0;
     for (struct dirent *e; !s && (e = readdir(d));) {
         size_t length = strlen(e->d_name);
-        struct entry found;
+        struct series_entry found;
         if (length < stem + 2 + tail || length >= sizeof found.name || strncmp(e->d_name, name, stem) ||
             e->d_name[stem] != '_' || strcmp(e->d_name + length - tail, ending) ||
             !file_time(folder, e->d_name, &found.t) || found.t > latest + 1e-12 * fabs(latest))
             continue;
         memcpy(found.name, e->d_name, length + 1);
         if (*n == room) {
-            struct entry *more = realloc(*list, (size_t)(room = 2 * room + 16) * sizeof *more);
+            struct series_entry *more = realloc(*list, (size_t)(room = 2 * room + 16) * sizeof *more);
             if (more)
                 *list = more;
             else
@@ -336,7 +336,7 @@ static status find_files(const char *folder, const char *name, const char *endin
 
 status vtk_series_write(const char *folder, const char *name, const char *ending, double latest) {
     int n = 0;
-    struct entry *list = NULL;
+    struct series_entry *list = NULL;
     char path[PATH];
     struct sink *o;
     status s = find_files(folder, name, ending, latest, &n, &list);

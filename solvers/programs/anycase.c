@@ -79,7 +79,7 @@ static status mend(const struct request *o, const struct comm *c, anycase_action
     for (int round = 0, n = 1; n && round < MOST_ROUNDS; round++) {
         status_free(e);
         cures->n = 0;
-        e = action(o->dir, medium_of(o->dir), (struct reading){.strict = o->strict, .cures = cures}, c);
+        e = action(o->dir, medium_of(o->dir), (struct case_reading){.strict = o->strict, .cures = cures}, c);
         if (e) fix_from_error(e, cures);
         status failed = fix_files(o->dir, cures, o->write, &n);
         say_round(o, n, e != OK);
@@ -106,6 +106,6 @@ int anycase_main(int argc, char **argv, const char *help_text, anycase_action *a
     if (!s && o.fix)
         s = mend(&o, c, action);
     else if (!s)
-        s = action(o.dir, medium_of(o.dir), (struct reading){.strict = o.strict}, c);
+        s = action(o.dir, medium_of(o.dir), (struct case_reading){.strict = o.strict}, c);
     return program_end(c, s, false);
 }

@@ -6,7 +6,7 @@
 #include "solvers/programs/run.h"
 
 /* What a program does with the case in `dir`, of the medium that controlDict names: run_check, run_initial. */
-typedef status anycase_action(const char *dir, const struct medium_type *type, struct reading how,
+typedef status anycase_action(const char *dir, const struct medium_type *type, struct case_reading how,
                               const struct comm *c);
 /* mends: the program offers -fix and -write (fix.h). */
 int anycase_main(int argc, char **argv, const char *help_text, anycase_action *action, bool mends);

@@ -16,15 +16,15 @@
 
 enum { WORD = 128, LINE = 2048, CERTAIN = 2 /* letters by which a word may differ from the one that is meant */ };
 
-struct text { /* of a file */
+struct file_text { /* of a file */
     char *text;
     size_t size;
 };
 
-static status text_read(const char *path, struct text *out) {
+static status text_read(const char *path, struct file_text *out) {
     int file;
     size_t got = 0;
-    *out = (struct text){0};
+    *out = (struct file_text){0};
     TRY(file_open_read(path, &file, &out->size));
     status e = allocate(&out->text, (long)out->size + 1, 1, path);
     while (!e && got < out->size) {
@@ -37,7 +37,7 @@ static status text_read(const char *path, struct text *out) {
 }
 
 /* Finds the line of a number from 1 on; its length is without the line's end. NULL: there is none. */
-static char *find_line(const struct text *t, int number, size_t *length) {
+static char *find_line(const struct file_text *t, int number, size_t *length) {
     char *at = t->text, *end = t->text + t->size;
     for (int k = 1; at && k < number; k++) {
         at = memchr(at, '\n', (size_t)(end - at));
@@ -76,7 +76,7 @@ static bool change(const struct cure *c, char *line, char out[LINE]) {
     return n < LINE && strcmp(out, line) != 0;
 }
 
-static status write_line(const char *path, const struct text *t, const char *at, size_t length, const char *line) {
+static status write_line(const char *path, const struct file_text *t, const char *at, size_t length, const char *line) {
     struct sink *s;
     TRY(sink_open(path, false, &s));
     sink_unsummed(s);
@@ -88,7 +88,7 @@ static status write_line(const char *path, const struct text *t, const char *at,
 
 /* Cures a line of a file, unless that is a link, lies elsewhere or is zipped. */
 static status fix_line(const struct cure *c, bool write, int *n) {
-    struct text t = {0};
+    struct file_text t = {0};
     char line[LINE], changed[LINE];
     size_t length = 0;
     const size_t name = strlen(c->path);
@@ -165,7 +165,7 @@ void fix_from_error(status error, struct cures *cures) {
     static const char asks[] = "did you mean '";
     const char *text = status_text(error), *meant = NULL;
     struct cure c = {.kind = CURE_WORD};
-    struct text file = {0};
+    struct file_text file = {0};
     size_t length = 0;
     char line[LINE];
     for (const char *at = text; (at = strstr(at, asks)); at = meant)

@@ -32,7 +32,7 @@ static const char HELP[] =
 
 enum { PATH = 4096 };
 
-struct request {
+struct mesh_request {
     const char *mesh, *dir;
     char plain[PLAIN_PATH]; /* dir without links */
     struct foam_format format;
@@ -40,10 +40,10 @@ struct request {
     struct lookup keywords;
 };
 
-static status parse(int argc, char **argv, struct request *o) {
+static status parse(int argc, char **argv, struct mesh_request *o) {
     static const char *const names[] = {"MESH.msh",  "-case",     "-ascii", "-binary",
                                         "-compress", "-keywords", "-help",  "-version"};
-    *o = (struct request){.format = {.precision = 17}};
+    *o = (struct mesh_request){.format = {.precision = 17}};
     for (int i = 1; i < argc; i++) {
         const char *a = argv[i];
         if (lookup_option(argc, argv, &i, &o->keywords)) continue;
@@ -156,7 +156,7 @@ static status touch_foam(const char *dir) {
     return OK;
 }
 
-static status write_case(const struct request *o, const struct mesh_rules *rules, const struct polymesh *m) {
+static status write_case(const struct mesh_request *o, const struct mesh_rules *rules, const struct polymesh *m) {
     char why[256] = "", mesh_dir[PATH];
     struct lattice *l = NULL;
     TRY(polymesh_check(m));
@@ -175,7 +175,7 @@ static status write_case(const struct request *o, const struct mesh_rules *rules
     return touch_foam(o->dir);
 }
 
-static status run(const struct request *o) {
+static status run(const struct mesh_request *o) {
     struct mesh_rules *rules = NULL;
     struct polymesh *m = NULL;
     status s = mesh_rules_read(o->dir, &rules);
@@ -187,7 +187,7 @@ static status run(const struct request *o) {
 }
 
 int main(int argc, char **argv) {
-    struct request o;
+    struct mesh_request o;
     status s = parse(argc, argv, &o);
     if (!s && (o.help || o.version)) {
         if (o.version) program_version(argv[0]);

@@ -59,8 +59,8 @@ static void catch_signals(void) {
     signal(SIGPIPE, SIG_IGN);
 }
 
-static status read_everything(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
-                              struct setup **s, struct functions **f) {
+static status read_everything(const char *dir, const struct medium_type *type, struct case_reading how,
+                              const struct comm *c, struct setup **s, struct functions **f) {
     *f = NULL;
     status e = case_read(dir, type, how, c, s);
     if (e && comm_root(c)) e = unread_hint(dir, type, how.cures, e);
@@ -128,7 +128,7 @@ static status print_check(struct setup *s) {
     return OK;
 }
 
-status run_check(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c) {
+status run_check(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c) {
     struct setup *s = NULL;
     struct functions *f = NULL;
     status e = read_everything(dir, type, how, c, &s, &f);
@@ -395,7 +395,7 @@ static status lock_and_clean(const char *dir, const char *application, struct lo
 }
 
 /* Reads a case, locked, and does something with it. */
-static status with_case(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c,
+static status with_case(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c,
                         status (*action)(struct run *r)) {
     struct run r = {.written_time = NAN};
     struct lock *lock = NULL;
@@ -415,12 +415,12 @@ static status start_only(struct run *r) {
     return write_original(r);
 }
 
-status run_initial(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c) {
+status run_initial(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c) {
     how.afresh = true;
     return with_case(dir, type, how, c, start_only);
 }
 
-status run_case(const char *dir, const struct medium_type *type, struct reading how, const struct comm *c) {
+status run_case(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c) {
     catch_signals();
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     return with_case(dir, type, how, c, loop);

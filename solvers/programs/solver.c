@@ -38,6 +38,6 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
     }
     if (s) return program_end(NULL, s, o.debug);
     s = comm_start(&argc, &argv, &c);
-    if (!s) s = (o.dry_run ? run_check : run_case)(o.dir, type, (struct reading){.strict = o.strict}, c);
+    if (!s) s = (o.dry_run ? run_check : run_case)(o.dir, type, (struct case_reading){.strict = o.strict}, c);
     return program_end(c, s, o.debug);
 }

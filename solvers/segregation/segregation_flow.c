@@ -115,7 +115,7 @@ static status read_own(const struct setup *s, const struct segregation_models *m
 /* ---- a time of another case ---- */
 
 static status line_flow(const struct setup *s, const struct gas_time *g, const double *U, struct segregation_flow *f) {
-    struct column *c = NULL;
+    struct segregation_column *c = NULL;
     int n;
     status e = allocate(&f->U, 3L * s->mesh->ncells, sizeof(double), "a flow");
     if (!e) e = gas_time_columns(g, s->axis[0], 3, U, &n, &c);
@@ -182,7 +182,7 @@ static status open_stress(const struct setup *s, const struct segregation_models
 status stress_velocity(const struct setup *s, const struct segregation_models *m, int axis, int n, const double *node,
                        double *out) {
     struct gas_time g;
-    struct column *c = NULL;
+    struct segregation_column *c = NULL;
     double *stress = NULL;
     int columns = 0;
     status e = open_stress(s, m, &g, &stress);

@@ -110,11 +110,11 @@ status gas_time_cells(const struct gas_time *g, const struct segregation_places 
 /* ---- columns ---- */
 
 static int by_place(const void *a, const void *b) {
-    const struct column *x = a, *y = b;
+    const struct segregation_column *x = a, *y = b;
     return (x->at > y->at) - (x->at < y->at);
 }
 
-static int merge(int n, struct column *c) {
+static int merge(int n, struct segregation_column *c) {
     qsort(c, (size_t)n, sizeof *c, by_place);
     const double close = 1e-6 * (c[n - 1].at - c[0].at);
     int last = 0;
@@ -131,11 +131,12 @@ static int merge(int n, struct column *c) {
 }
 
 status gas_time_columns(const struct gas_time *g, int axis, int components, const double *values, int *n,
-                        struct column **out) {
+                        struct segregation_column **out) {
     const int cells = g->mesh->ncells;
     TRY(allocate(out, cells, sizeof **out, "columns"));
     for (int i = 0; i < cells; i++) {
-        (*out)[i] = (struct column){.at = g->geometry.cell_centre[3L * i + axis], .weight = g->geometry.volume[i]};
+        (*out)[i] =
+            (struct segregation_column){.at = g->geometry.cell_centre[3L * i + axis], .weight = g->geometry.volume[i]};
         for (int k = 0; k < components; k++)
             (*out)[i].value[k] = g->geometry.volume[i] * values[(long)components * i + k];
     }
@@ -145,14 +146,14 @@ status gas_time_columns(const struct gas_time *g, int axis, int components, cons
                 g->entry, g->dir, *n, "xyz"[axis]);
 }
 
-double column_value(int n, const struct column *c, int component, double at) {
+double column_value(int n, const struct segregation_column *c, int component, double at) {
     int k = 0;
     while (k < n - 2 && at > c[k + 1].at) k++;
     const double part = fmin(fmax((at - c[k].at) / (c[k + 1].at - c[k].at), 0), 1);
     return c[k].value[component] + part * (c[k + 1].value[component] - c[k].value[component]);
 }
 
-double column_slope(int n, const struct column *c, double y) {
+double column_slope(int n, const struct segregation_column *c, double y) {
     int k = 0;
     while (k < n - 2 && y > 0.5 * (c[k + 1].at + c[k + 2].at)) k++;
     const double here = (c[k + 1].value[0] - c[k].value[0]) / (c[k + 1].at - c[k].at),

@@ -24,16 +24,16 @@ status gas_time_field(const struct gas_time *g, const char *name, int components
  * there is none. Collective. */
 status gas_time_cells(const struct gas_time *g, const struct segregation_places *p, int **out);
 
-struct column { /* the mean over all cells whose centres share a coordinate */
+struct segregation_column { /* the mean over all cells whose centres share a coordinate */
     double at, weight, value[3];
 };
 /* Makes the columns of values[ncells][components] of g, ascending, at least 3. */
 status gas_time_columns(const struct gas_time *g, int axis, int components, const double *values, int *n,
-                        struct column **out);
+                        struct segregation_column **out);
 /* Value and slope at a coordinate (m). The value is linear between the columns and constant beyond the first and the
  * last; the slope is so between their middles. */
-double column_value(int n, const struct column *c, int component, double at);
-double column_slope(int n, const struct column *c, double at); /* slope of component 0 */
+double column_value(int n, const struct segregation_column *c, int component, double at);
+double column_slope(int n, const struct segregation_column *c, double at); /* slope of component 0 */
 
 /* Computes grad q of q[stride * cell], by least squares over the neighbours: out[ncells][3], 0 along axes that are not
  * solved. It is exact for linear q, and of second order between two neighbours on a line. */

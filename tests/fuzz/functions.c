@@ -106,7 +106,7 @@ static void make_gas(void) {
     write_field("T", "[0 2 -2 0 0 0 0]", "Scalar", "1");
     write_field("U", "[0 1 -1 0 0 0 0]", "Vector", "(0.1 0.2 0)");
     PROMISE(accepted(comm_alone(&gas.comm)), "there is memory");
-    status s = case_read(gas.path, &gas_medium, (struct reading){.strict = false}, gas.comm, &gas.setup);
+    status s = case_read(gas.path, &gas_medium, (struct case_reading){.strict = false}, gas.comm, &gas.setup);
     if (s) fprintf(stderr, "%s\n", status_text(s));
     PROMISE(!s, "the case is sound");
     PROMISE(accepted(gas.setup->medium->type->start(gas.setup->medium)), "the gas is sound");

@@ -26,7 +26,7 @@ static void watch_places(const struct gas *g, place_visitor *visit, void *contex
     for (int i = 0; !f && i < g->cells->polyhedra->nown; i++) visit(context, cell++, 0, i);
 }
 
-struct reading { /* of a state */
+struct case_reading { /* of a state */
     const struct gas *g;
     const struct state *s;
     watch_visitor *visit;
@@ -34,7 +34,7 @@ struct reading { /* of a state */
 };
 
 static void read_place(void *context, long cell, int block, long at) {
-    const struct reading *r = context;
+    const struct case_reading *r = context;
     const struct gas *g = r->g;
     double U[MAX_VAR];
     for (int v = 0; v < g->nvar; v++) U[v] = r->s->block[block][v * g->size + at];
@@ -43,7 +43,7 @@ static void read_place(void *context, long cell, int block, long at) {
 
 void watch_cells(const struct gas *g, const struct state *s, watch_visitor *visit, void *context) {
     for (int t = 0; g->forest && t < g->forest->ntiles; t++) activity_store_all(g, t, s);
-    watch_places(g, read_place, &(struct reading){g, s, visit, context});
+    watch_places(g, read_place, &(struct case_reading){g, s, visit, context});
 }
 
 static long double kinetic(int components, const double U[MAX_VAR]) {

@@ -72,6 +72,9 @@ FILES = "mesh/format/files.c"
 FILE_CALLS = (r"(?<![\w>.])(f?open|openat|open64|creat|freopen|gzopen|rename|renameat|unlink|unlinkat|remove|rmdir|mkdir|mkdirat|"
               r"mkfifo|mknod|link|symlink|truncate|mkstemp|mkdtemp|tmpfile|tmpnam|popen|system|chdir|chmod|chown)\(")
 
+# Layers of which a tag may still name several structs.
+TAGS_OPEN = {"libcore"}
+
 # Variables of a whole file that may change, with the reason.
 MUTABLE = {"solvers/programs/run.c": ["asked_to_stop"]}  # the one thing that a signal handler may touch
 
@@ -233,6 +236,18 @@ def shared_kernels(files):
     return wrong
 
 
+def shared_tags(files, layers):
+    """Tags of structs, unions and enums that are defined more than once in a layer: nobody can tell from a name which is meant."""
+    found, wrong = {}, []
+    for path, text in files.items():
+        layer = path.split("/")[0]
+        for tag in re.findall(r"\b(?:struct|union|enum)\s+(\w+)\s*\{", bare(text)) if layer in layers else []:
+            if (layer, tag) in found:
+                wrong.append(f"{path} and {found[layer, tag]} define {tag}")
+            found[layer, tag] = path
+    return wrong
+
+
 def headless(files):
     """Sources that do not begin, below the line of the licence, with a comment whose first sentence says something and ends, with a stop or a colon."""
     def head(text):
@@ -310,6 +325,11 @@ class Rooms(unittest.TestCase):
     def test_kernels_have_names_of_their_own(self):
         self.assertGreater(sum(text.count("\nKERNEL static ") for text in self.files.values()), 50)
         self.assertNone(shared_kernels(self.files))
+
+    def test_tags_are_unique_in_a_layer(self):
+        self.assertNone(shared_tags(self.files, set(LAYERS) - TAGS_OPEN))
+        for layer in TAGS_OPEN:
+            self.assertTrue(shared_tags(self.files, {layer}), f"{layer} has no tag twice: take it out of TAGS_OPEN")
 
     def test_function_objects_are_in_the_table(self):
         self.assertNone(forgotten_rows(self.files))
@@ -444,6 +464,10 @@ class Rules(unittest.TestCase):
         kernel = "KERNEL static void sum(int n) {\n}\n"
         self.assertEqual([], shared_kernels({"a.c": kernel, "b.c": kernel.replace("sum", "sums")}))
         self.assertEqual(1, len(shared_kernels({"a.c": kernel, "b.c": kernel.replace("void ", "double *")})))
+        tag = "struct %s { int n; };\nstruct a *make(void);\n"
+        self.assertEqual([], shared_tags({"mesh/a.c": tag % "a", "mesh/b.c": tag % "b", "solvers/a.c": tag % "a"}, ("mesh", "solvers")))
+        self.assertEqual([], shared_tags({"mesh/a.c": tag % "a", "mesh/b.c": "/* " + tag % "a" + " */"}, ("mesh",)))
+        self.assertEqual(1, len(shared_tags({"mesh/a.c": tag % "a", "mesh/b.h": tag % "a"}, ("mesh",))))
         rows = {"solvers/functions/functions.c": "table[] = {&function_a};",
                 "solvers/functions/a.c": "const struct function_type function_a = {\n"}
         self.assertEqual([], forgotten_rows(rows))
