@@ -34,7 +34,7 @@ static status grow(void *list, int count, int *room, size_t size) {
 }
 
 static int slot_for(struct making *m, int cell) {
-    if (m->slot_of[cell] < 0) m->slot_of[cell] = m->out->nslots++;
+    if (m->slot_of[cell] < 0) m->slot_of[cell] = m->out->picks.slots++;
     return m->slot_of[cell];
 }
 
@@ -175,20 +175,7 @@ static status cut_cell(struct making *m, int cell) {
     return add_piece(m, &piece);
 }
 
-/* ---- the cells of this rank ---- */
-
-static status find_picks(struct making *m) {
-    const struct grid *g = m->f->setup->grid;
-    int room = 0;
-    for (int b = 0; b < g->nblocks; b++)
-        for (int i = 0; i < g->block[b].ncells; i++) {
-            const int slot = m->slot_of[g->block[b].cell[i]];
-            if (slot < 0) continue;
-            TRY(grow(&m->out->pick, m->out->npicks, &room, sizeof *m->out->pick));
-            m->out->pick[m->out->npicks++] = (struct pick){b, i, slot};
-        }
-    return OK;
-}
+/* ---- the whole surface ---- */
 
 static status begin(struct making *m, const struct function *f, struct surface *out) {
     const struct polymesh *mesh = f->setup->mesh;
@@ -218,7 +205,7 @@ static status take_faces(struct making *m, const struct patch_choice *c) {
             TRY(add_piece(m, &piece));
         }
     }
-    return find_picks(m);
+    return picks_make(m->f, m->out->picks.slots, m->slot_of, &m->out->picks);
 }
 
 status surface_of_patches(const struct function *f, const struct patch_choice *c, struct surface *out) {
@@ -241,7 +228,7 @@ static status take_cells(struct making *m, const double point[3], const double n
     TRY(slice_distances(mesh, point, m->normal, &m->above));
     TRY(polymesh_cell_faces(mesh, &m->face_start, &m->face_of));
     for (int cell = 0; cell < mesh->ncells; cell++) TRY(cut_cell(m, cell));
-    return find_picks(m);
+    return picks_make(m->f, m->out->picks.slots, m->slot_of, &m->out->picks);
 }
 
 status surface_of_plane(const struct function *f, const double point[3], const double normal[3], struct surface *out) {
@@ -250,25 +237,6 @@ status surface_of_plane(const struct function *f, const double point[3], const d
     if (!s) s = take_cells(&m, point, normal);
     end(&m);
     return comm_agree(f->setup->comm, s);
-}
-
-/* The values of a quantity in the slots, on every rank: one rank has each value, the others -infinity. */
-static status gather_slots(const struct surface *s, const struct function *f, int quantity, int components,
-                           double **out) {
-    const struct setup *setup = f->setup;
-    double *lines[3];
-    TRY(allocate(out, (s->nslots + 1L) * components, sizeof(double), "samples"));
-    for (long i = 0; i < (long)s->nslots * components; i++) (*out)[i] = -HUGE_VAL;
-    for (int i = 0, held = -1; i < s->npicks; i++) {
-        const struct pick *p = &s->pick[i];
-        double *to = *out + (long)p->slot * components;
-        if (p->block != held) function_block(f, held = p->block, quantity, lines);
-        for (int k = 0; k < components; k++) to[k] = components == 1 ? lines[0][p->cell] : 0;
-        for (int k = 0; components == 3 && k < setup_lines(setup, quantity); k++)
-            to[setup->axis[k]] = lines[k][p->cell];
-    }
-    comm_max(setup->comm, *out, s->nslots * components);
-    return OK;
 }
 
 static double value_of(const struct surface *s, const struct piece *p, const double *slots, int components, int k) {
@@ -291,7 +259,8 @@ status surface_sample(const struct surface *s, const struct function *f, int qua
     const int m = f->setup->medium->type->quantity[quantity].components;
     double *slots = NULL;
     *out = NULL;
-    status e = gather_slots(s, f, quantity, m, &slots);
+    status e = allocate(&slots, (s->picks.slots + 1L) * m, sizeof(double), "samples");
+    if (!e) picks_gather(&s->picks, f, quantity, slots);
     if (!e) e = allocate(out, (s->n + 1L) * m, sizeof **out, "samples");
     for (int i = 0; !e && i < s->n; i++)
         for (int k = 0; k < m; k++) (*out)[(long)i * m + k] = value_of(s, &s->piece[i], slots, m, k);
@@ -307,5 +276,4 @@ void surface_free(struct surface *s) {
     free(s->piece);
     free(s->near);
     free(s->weight);
-    free(s->pick);
 }

@@ -17,8 +17,7 @@ struct surface {
     struct piece *piece; /* [n] */
     int *near;           /* slots of neighbours */
     double *weight;      /* of their differences from the cell: value = cell + sum weight (neighbour - cell) */
-    int nslots, npicks;
-    struct pick *pick;   /* [npicks] block by block */
+    struct picks picks;
     double area;         /* m^2 */
     struct edges *edges; /* of patches: makes their values of those in the cells; else NULL */
     struct patch_run {

@@ -104,14 +104,23 @@ status function_end_row(const struct function *f, FILE *o);
 /* Was the last call for this time, too? */
 bool function_again(struct function *f, double t);
 
+struct pick { /* a cell of this rank whose value is wanted */
+    int block, cell, slot;
+};
+struct picks { /* of all ranks, for `slots` values that every rank gets */
+    int slots, n;
+    struct pick *pick; /* [n] of this rank, block by block */
+};
+/* Picks the cells that have slots: slot_of[cell of the mesh] >= 0. */
+status picks_make(const struct function *f, int slots, const int *slot_of, struct picks *out);
+/* Gathers a quantity's values on every rank: out[slots][components], along physical axes. Collective. */
+void picks_gather(const struct picks *p, const struct function *f, int quantity, double *out);
+
 struct spot {    /* a point and the cell that holds it */
     double x[3]; /* m */
     bool inside; /* is it in the mesh? */
     int block;   /* block of this rank; -1: the point is on another rank, or outside */
     int cell;    /* index in the block */
-};
-struct pick { /* a cell of this rank whose value is wanted */
-    int block, cell, slot;
 };
 enum { MOST_SPOTS = 1000000 }; /* of one function object */
 struct spots {

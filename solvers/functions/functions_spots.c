@@ -47,6 +47,41 @@ status spots_add(struct spots *s, const struct function *f, struct dict *d, cons
     return OK;
 }
 
+/* ---- values of cells, on every rank ---- */
+
+status picks_make(const struct function *f, int slots, const int *slot_of, struct picks *out) {
+    const struct grid *g = f->setup->grid;
+    out->slots = slots;
+    for (int list = 0; list < 2; list++) {
+        if (list) TRY(pool_take(f->pool, &out->pick, out->n, sizeof *out->pick, "samples"));
+        out->n = 0;
+        for (int b = 0; b < g->nblocks; b++)
+            for (int i = 0; i < g->block[b].ncells; i++) {
+                const int slot = slot_of[g->block[b].cell[i]];
+                if (slot < 0) continue;
+                if (list) out->pick[out->n] = (struct pick){b, i, slot};
+                out->n++;
+            }
+    }
+    return OK;
+}
+
+/* One rank has each value, the others -infinity. */
+void picks_gather(const struct picks *p, const struct function *f, int quantity, double *out) {
+    const struct setup *s = f->setup;
+    const int m = quantity_of(f, quantity)->components;
+    double *lines[3];
+    for (long i = 0; i < (long)p->slots * m; i++) out[i] = -HUGE_VAL;
+    for (int i = 0, held = -1; i < p->n; i++) {
+        const struct pick *one = &p->pick[i];
+        double *to = out + (long)one->slot * m;
+        if (one->block != held) function_block(f, held = one->block, quantity, lines);
+        for (int k = 0; k < m; k++) to[k] = m == 1 ? lines[0][one->cell] : 0;
+        for (int k = 0; m == 3 && k < setup_lines(s, quantity); k++) to[s->axis[k]] = lines[k][one->cell];
+    }
+    comm_max(s->comm, out, p->slots * m);
+}
+
 /* ---- values that are linear in the simplices of cells ----
  *
  * The root finds the simplices, and the cells whose values they need; every rank sends its cells' values. */
@@ -56,10 +91,9 @@ struct corner { /* of the simplex that holds a spot: spots[4], on the root */
     double weight;
 };
 struct spots_linear {
-    int nslots, npicks;
-    int *cell;                 /* [nslots] of the mesh, ascending */
-    struct pick *pick;         /* [npicks] block by block */
-    double *slots;             /* [3 nslots] their values */
+    struct picks picks;
+    int *cell;                 /* [picks.slots] of the mesh, ascending */
+    double *slots;             /* [3 picks.slots] their values */
     struct vicinity *vicinity; /* on the root, as what follows */
     struct corner *corner;     /* [spots][4] */
     double *value;             /* [ncells] of one component; only wanted cells have theirs */
@@ -136,24 +170,18 @@ static status find_edges(struct pool *pool, struct spots_linear *l, int nspots, 
 }
 
 /* Numbers the wanted cells, and finds those of this rank. */
-static status find_picks(struct pool *pool, struct spots_linear *l, const struct setup *setup, const bool *wanted) {
-    const struct grid *g = setup->grid;
-    const int ncells = setup->mesh->ncells;
-    int *slot;
-    for (int c = 0; c < ncells; c++) l->nslots += wanted[c];
-    TRY(pool_take(pool, &l->cell, l->nslots + 1L, sizeof *l->cell, "samples"));
-    TRY(pool_take(pool, &l->pick, l->nslots + 1L, sizeof *l->pick, "samples"));
-    TRY(pool_take(pool, &l->slots, 3L * l->nslots + 1, sizeof *l->slots, "samples"));
+static status find_picks(const struct function *f, struct spots_linear *l, const bool *wanted) {
+    const int ncells = f->setup->mesh->ncells;
+    int *slot, n = 0;
     TRY(allocate(&slot, ncells, sizeof *slot, "samples"));
-    for (int c = 0, n = 0; c < ncells; c++) {
-        slot[c] = n;
-        if (wanted[c]) l->cell[n++] = c;
-    }
-    for (int b = 0; b < g->nblocks; b++)
-        for (int i = 0; i < g->block[b].ncells; i++)
-            if (wanted[g->block[b].cell[i]]) l->pick[l->npicks++] = (struct pick){b, i, slot[g->block[b].cell[i]]};
+    for (int c = 0; c < ncells; c++) slot[c] = wanted[c] ? n++ : -1;
+    status e = pool_take(f->pool, &l->cell, n + 1L, sizeof *l->cell, "samples");
+    if (!e) e = pool_take(f->pool, &l->slots, 3L * n + 1, sizeof *l->slots, "samples");
+    for (int c = 0; !e && c < ncells; c++)
+        if (wanted[c]) l->cell[slot[c]] = c;
+    if (!e) e = picks_make(f, n, slot, &l->picks);
     free(slot);
-    return OK;
+    return e;
 }
 
 static status linear_make(const struct spots *s, const struct function *f, struct spots_linear **out) {
@@ -170,7 +198,7 @@ static status linear_make(const struct spots *s, const struct function *f, struc
         e = comm_agree(setup->comm, comm_root(setup->comm) ? find_simplices(f->pool, l, s, setup, cell, wanted) : OK);
     if (!e) {
         comm_broadcast(setup->comm, wanted, (long)sizeof *wanted * setup->mesh->ncells);
-        e = comm_agree(setup->comm, find_picks(f->pool, l, setup, wanted));
+        e = comm_agree(setup->comm, find_picks(f, l, wanted));
     }
     if (!e) e = find_edges(f->pool, l, s->n, setup);
     free(wanted);
@@ -178,30 +206,15 @@ static status linear_make(const struct spots *s, const struct function *f, struc
     return e;
 }
 
-/* Gathers the values of the wanted cells on every rank, [slots][components]. */
-static void gather_slots(const struct spots_linear *l, const struct function *f, int field, int components) {
-    const struct setup *s = f->setup;
-    double *lines[3];
-    for (long i = 0; i < (long)l->nslots * components; i++) l->slots[i] = -HUGE_VAL;
-    for (int i = 0, held = -1; i < l->npicks; i++) {
-        const struct pick *p = &l->pick[i];
-        double *to = l->slots + (long)p->slot * components;
-        if (p->block != held) function_block(f, held = p->block, field, lines);
-        for (int k = 0; k < components; k++) to[k] = components == 1 ? lines[0][p->cell] : 0;
-        for (int k = 0; components == 3 && k < setup_lines(s, field); k++) to[s->axis[k]] = lines[k][p->cell];
-    }
-    comm_max(s->comm, l->slots, l->nslots * components); /* one rank has each value, the others -infinity */
-}
-
 static status linear_sample(const struct spots *s, const struct function *f, int field, double *out) {
     const struct spots_linear *l = s->fit;
     const int components = quantity_of(f, field)->components;
-    gather_slots(l, f, field, components);
+    picks_gather(&l->picks, f, field, l->slots);
     TRY(edges_find(l->edges));
     for (int k = 0; k < components && comm_root(f->setup->comm); k++) {
         const struct vicinity_field values = {l->vicinity, l->value, 1, NULL, l->edges ? l->at_point : NULL};
         if (l->edges) edges_points(l->edges, field, k, l->at_point, l->count);
-        for (long i = 0; i < l->nslots; i++) l->value[l->cell[i]] = l->slots[i * components + k];
+        for (long i = 0; i < l->picks.slots; i++) l->value[l->cell[i]] = l->slots[i * components + k];
         for (int i = 0; i < s->n; i++) {
             double sum = 0;
             for (const struct corner *c = l->corner + 4L * i; c < l->corner + 4L * (i + 1); c++)
@@ -218,37 +231,31 @@ status spots_interpolate(struct spots *s, const struct function *f) {
     return linear_make(s, f, &s->fit);
 }
 
-static void sample_cells(const struct spots *s, const struct function *f, int field, double *out) {
-    const struct grid *grid = f->setup->grid;
-    const int m = quantity_of(f, field)->components;
-    double *lines[3];
-    for (long i = 0; i < (long)s->n * m; i++) out[i] = -HUGE_VAL;
-    for (int b = 0; b < grid->nblocks; b++) {
-        bool wanted = false;
-        for (int i = 0; i < s->n; i++) wanted |= s->at[i].block == b;
-        if (!wanted) continue;
-        function_block(f, b, field, lines);
-        for (int i = 0; i < s->n; i++) {
-            if (s->at[i].block != b) continue;
-            double *to = out + (long)i * m;
-            if (m == 1)
-                *to = lines[0][s->at[i].cell];
-            else
-                for (int x = 0; x < 3; x++) to[x] = 0;
-            for (int k = 0; m == 3 && k < setup_lines(f->setup, field); k++)
-                to[f->setup->axis[k]] = lines[k][s->at[i].cell];
-        }
-    }
-    comm_max(f->setup->comm, out, s->n * m); /* one rank has each value, the others -infinity */
+static int by_block(const void *a, const void *b) {
+    const struct pick *p = a, *q = b;
+    if (p->block != q->block) return p->block < q->block ? -1 : 1;
+    return (p->slot > q->slot) - (p->slot < q->slot);
+}
+
+static void sample_cells(const struct spots *s, const struct function *f, int field, struct pick *room, double *out) {
+    struct picks here = {.slots = s->n, .pick = room};
+    for (int i = 0; i < s->n; i++)
+        if (s->at[i].block >= 0) room[here.n++] = (struct pick){s->at[i].block, s->at[i].cell, i};
+    if (here.n) qsort(room, (size_t)here.n, sizeof *room, by_block);
+    picks_gather(&here, f, field, out);
 }
 
 status spots_sample(const struct spots *s, const struct function *f, int field, double **out) {
     const int m = quantity_of(f, field)->components;
-    TRY(allocate(out, (long)(s->n + 1) * m, sizeof(double), "samples"));
+    struct pick *room = NULL;
+    status e = allocate(out, (long)(s->n + 1) * m, sizeof(double), "samples");
+    if (!e && !s->fit) e = allocate(&room, s->n, sizeof *room, "samples");
+    TRY(comm_agree(f->setup->comm, e));
     if (s->fit)
         TRY(linear_sample(s, f, field, *out));
     else
-        sample_cells(s, f, field, *out);
+        sample_cells(s, f, field, room, *out);
+    free(room);
     for (int i = 0; i < s->n; i++)
         for (int c = 0; c < m && !s->at[i].inside; c++) (*out)[(long)i * m + c] = -1e300; /* as OpenFOAM does */
     return OK;
