@@ -50,6 +50,10 @@ struct log_row { /* the numbers of a log entry, as columns of a table: the same 
     const char *title[MAX_COLUMNS];
     double value[MAX_COLUMNS];
 };
+static inline void log_column(struct log_row *row, const char *title, double value) {
+    row->title[row->n] = title;
+    row->value[row->n++] = value;
+}
 
 struct setup;
 struct medium;

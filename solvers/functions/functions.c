@@ -24,6 +24,12 @@ static const struct function_type *const function_table[] = {
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 
+int quantity_named(const struct medium_type *m, const char *name) {
+    for (int k = 0; k < m->noffered; k++)
+        if (!strcmp(m->quantity[k].name, name)) return k;
+    return -1;
+}
+
 const struct quantity *quantity_of(const struct function *f, int field) {
     return &f->setup->medium->type->quantity[field];
 }
@@ -115,12 +121,10 @@ status function_field(struct function *f, const struct dict *d, const char *key,
     const struct medium_type *m = f->setup->medium->type;
     const char *names[MAX_QUANTITIES];
     char known[256];
-    for (int k = 0; k < m->noffered; k++) {
-        names[k] = m->quantity[k].name;
-        *out = k;
-        if (!strcmp(word, names[k])) return function_take(f, d, key, k);
-    }
     char meant[MEANT];
+    *out = quantity_named(m, word);
+    if (*out >= 0) return function_take(f, d, key, *out);
+    for (int k = 0; k < m->noffered; k++) names[k] = m->quantity[k].name;
     list_fields(m, known);
     return dict_fail(d, key, "there is no field '%s'; known are %s%s", word, known,
                      name_question(word, names, m->noffered, meant));

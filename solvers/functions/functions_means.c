@@ -6,10 +6,7 @@
 #include <string.h>
 
 int means_density(const struct function *f) {
-    const struct medium_type *m = f->setup->medium->type;
-    for (int q = 0; q < m->noffered; q++)
-        if (!strcmp(m->quantity[q].name, "rho")) return q;
-    return -1;
+    return quantity_named(f->setup->medium->type, "rho");
 }
 
 bool means_per_mass(const struct function *f, int field) {

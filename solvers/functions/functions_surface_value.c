@@ -102,13 +102,6 @@ static void value_keywords(struct keywords *k) {
 
 /* ---- reading ---- */
 
-/* The index of a quantity among the fields that function objects know; -1: there is none. */
-static int quantity_named(const struct medium_type *m, const char *name) {
-    for (int k = 0; k < m->noffered; k++)
-        if (!strcmp(m->quantity[k].name, name)) return k;
-    return -1;
-}
-
 static int flow_named(const struct medium_type *m, const char *name) {
     for (int k = 0; k < FLOWS && m->follow; k++)
         if (!strcmp(flow_names[k], name)) return k;

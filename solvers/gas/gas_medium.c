@@ -423,11 +423,6 @@ static status find_numbers(const struct gas_state *g, struct gas_numbers *x) {
     return gas_totals(g->gas, x->totals);
 }
 
-static void add_column(struct log_row *row, const char *title, double value) {
-    row->title[row->n] = title;
-    row->value[row->n++] = value;
-}
-
 static void fill_row(const struct gas_state *g, const struct gas_numbers *x, struct log_row *row) {
     static const char *const ends[4][2] = {
         {"alphaMin", "alphaMax"}, {"magUMin", "magUMax"}, {"TMin", "TMax"}, {"MaMin", "MaMax"}};
@@ -438,12 +433,12 @@ static void fill_row(const struct gas_state *g, const struct gas_numbers *x, str
     const double energy = x->totals[1 + s->components];
     double momentum[3] = {0};
     for (int k = 0; k < s->components; k++) momentum[s->axis[k]] = x->totals[1 + k];
-    for (int i = 0; i < 8; i++) add_column(row, ends[i / 2][i % 2], range[i / 2][i % 2]);
-    add_column(row, "mass", x->totals[0]);
-    for (int k = 0; k < 3; k++) add_column(row, momenta[k], momentum[k]);
-    add_column(row, "energy", energy);
-    add_column(row, "massChange", relative_change(x->totals[0], g->first[0].value));
-    add_column(row, "energyChange", relative_change(energy, g->first[1].value));
+    for (int i = 0; i < 8; i++) log_column(row, ends[i / 2][i % 2], range[i / 2][i % 2]);
+    log_column(row, "mass", x->totals[0]);
+    for (int k = 0; k < 3; k++) log_column(row, momenta[k], momentum[k]);
+    log_column(row, "energy", energy);
+    log_column(row, "massChange", relative_change(x->totals[0], g->first[0].value));
+    log_column(row, "energyChange", relative_change(energy, g->first[1].value));
     const struct {
         const char *title;
         long n;
@@ -451,8 +446,8 @@ static void fill_row(const struct gas_state *g, const struct gas_numbers *x, str
                   {"flooredCells", n->floored}, {"filledCells", n->filled},      {"bedSteps", n->beds},
                   {"bedCells", n->bed_cells},   {"newtonIterations", n->newton}, {"linearIterations", n->linear}};
     for (int i = 0; i < 9; i++) {
-        if (i == 5) add_column(row, "computed", x->computed);
-        add_column(row, counts[i].title, (double)counts[i].n);
+        if (i == 5) log_column(row, "computed", x->computed);
+        log_column(row, counts[i].title, (double)counts[i].n);
     }
 }
 

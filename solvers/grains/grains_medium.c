@@ -402,11 +402,6 @@ static status check_collapse(struct grains_run *x, const struct grain_counts *no
                 dict_path(x->models->granular), dict_line(x->models->granular, "grain"), 100 * slow);
 }
 
-static void add_column(struct log_row *row, const char *title, double value) {
-    row->title[row->n] = title;
-    row->value[row->n++] = value;
-}
-
 /* Returns kinetic, potential and lost energy less what they were when counting began, relative to the latter. */
 static double imbalance(const struct grains_run *x, const struct grains_totals *p) {
     const double all = p->kinetic + p->potential + p->counts.lost;
@@ -418,16 +413,16 @@ static void fill_row(const struct grains_run *x, const struct grains_totals *p, 
     const struct grain_counts *n = &p->counts;
     double momentum[3] = {0};
     for (int k = 0; k < x->box.dim; k++) momentum[x->base.setup->axis[k]] = p->momentum[k];
-    add_column(row, "T", p->T);
-    add_column(row, "kinetic", p->kinetic);
-    add_column(row, "potential", p->potential);
-    add_column(row, "lost", n->lost);
-    add_column(row, "energyChange", imbalance(x, p));
-    add_column(row, "collisions", (double)n->pairs);
-    add_column(row, "wallCollisions", (double)n->walls);
-    add_column(row, "elastic", (double)n->elastic);
-    add_column(row, "events", (double)n->events);
-    for (int k = 0; k < 3; k++) add_column(row, names[k], momentum[k]);
+    log_column(row, "T", p->T);
+    log_column(row, "kinetic", p->kinetic);
+    log_column(row, "potential", p->potential);
+    log_column(row, "lost", n->lost);
+    log_column(row, "energyChange", imbalance(x, p));
+    log_column(row, "collisions", (double)n->pairs);
+    log_column(row, "wallCollisions", (double)n->walls);
+    log_column(row, "elastic", (double)n->elastic);
+    log_column(row, "events", (double)n->events);
+    for (int k = 0; k < 3; k++) log_column(row, names[k], momentum[k]);
 }
 
 static status medium_log(struct medium *m, FILE *f, struct log_row *row) {
