@@ -79,15 +79,15 @@ static void find_speeds(struct bed *b) {
 }
 
 /* Does one step of Newton's method for h(rho) = rho S - 1 - 1/Gamma(rho) = 0, which is (*), with S = tau^n + eps^n/p;
- * rho Gamma' = c^2 - Gamma - Gamma^2 for eps = 1, as p is linear in eps. h rises, and is all but linear both in dilute
- * gas and near packing. A cell that has converged keeps its bits, and those of c2 and gruneisen, whichever cells share
- * its batch. Returns whether a cell has not converged. */
+ * c2 is that at eps = 1, for rho Gamma'. h rises, and is all but linear both in dilute gas and near packing. A cell
+ * that has converged keeps its bits, and those of c2 and gruneisen, whichever cells share its batch. Returns whether a
+ * cell has not converged. */
 KERNEL static bool bed_root_step(int n, double limit, const double *restrict S, const double *restrict c2,
                                  const double *restrict gruneisen, double *restrict root, double *restrict open) {
     double any = 0;
     for (int i = 0; i < n; i++) {
         const double G = gruneisen[i], rho = root[i];
-        const double h = rho * S[i] - 1 - 1 / G, steep = S[i] + (c2[i] - G - G * G) / (rho * G * G);
+        const double h = rho * S[i] - 1 - 1 / G, steep = S[i] + gruneisen_slope(c2[i], G) / (rho * G * G);
         double next = rho - h / steep;
         next = next < limit ? next : 0.5 * (rho + limit);
         next = next > 0 ? next : 0.5 * rho;
@@ -104,21 +104,21 @@ KERNEL static void bed_slack(int n, const double *restrict eps, const double *re
                              const double *restrict gruneisen, double *restrict slack) {
     for (int i = 0; i < n; i++) {
         const double G = gruneisen[i];
-        slack[i] = eps[i] / (p[i] * p[i]) / (1 + 1 / G + (c2[i] - G - G * G) / (G * G));
+        slack[i] = eps[i] / (p[i] * p[i]) / (1 + 1 / G + gruneisen_slope(c2[i], G) / (G * G));
     }
 }
 
 /* Finds the root of (*) for the present p in n cells of a block, and slack. */
 static void find_root(struct bed *b, int at, int n) {
     const struct bed_lines *x = b->lines;
-    double S[BATCH], one[BATCH], open[BATCH], p[BATCH], c2[BATCH], gruneisen[BATCH];
+    double S[BATCH], open[BATCH], p[BATCH], c2[BATCH], gruneisen[BATCH];
     for (int i = 0; i < n; i++) {
         S[i] = 1 / x->rho[at + i] + x->eps[at + i] / x->p[at + i];
-        one[i] = open[i] = 1;
+        open[i] = 1;
     }
     bool any = true;
     for (int times = 0; any && times < ROOT_MOST; times++) {
-        b->eos->state(b->material, n, x->root + at, one, p, c2, gruneisen);
+        eos_unit_state(b->eos, b->material, n, x->root + at, p, c2, gruneisen);
         any = bed_root_step(n, b->limit, S, c2, gruneisen, x->root + at, open);
     }
     bed_slack(n, x->eps + at, x->p + at, c2, gruneisen, x->slack + at);

@@ -37,11 +37,10 @@ static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[
 }
 
 static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
-    double p[BATCH], c2[BATCH], gruneisen[BATCH], one[BATCH] = {0}, *energy = q[g->components + 1];
-    for (int i = 0; i < n; i++) one[i] = 1;
-    g->models.eos->state(&g->models.material, n, q[0], one, p, c2, gruneisen);
+    double p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[g->components + 1];
+    eos_unit_state(g->models.eos, &g->models.material, n, q[0], p, c2, gruneisen);
     for (int i = 0; i < n; i++) {
-        double eps = pressure ? energy[i] / p[i] : eps_of(&g->models.material, energy[i]); /* p is linear in eps */
+        double eps = pressure ? eps_at_pressure(energy[i], p[i], 1) : eps_of(&g->models.material, energy[i]);
         double kinetic = 0;
         for (int k = 1; k <= g->components; k++) kinetic += 0.5 * q[k][i] * q[k][i];
         energy[i] = q[0][i] * (eps + kinetic);

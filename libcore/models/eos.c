@@ -311,3 +311,10 @@ void pressure_per_temperature(const struct eos *eos, const struct material *m, i
     for (int i = 0; i < n; i += BATCH)
         eos->state(m, n - i < BATCH ? n - i : BATCH, rho + i, eps, out + i, c2, gruneisen);
 }
+
+void eos_unit_state(const struct eos *eos, const struct material *m, int n, const double *rho, double *p, double *c2,
+                    double *gruneisen) {
+    double one[BATCH];
+    for (int i = 0; i < n; i++) one[i] = 1;
+    eos->state(m, n, rho, one, p, c2, gruneisen);
+}

@@ -76,7 +76,31 @@ double second_sonine(const struct material *m);
 double packing_limit(const struct eos *eos, const struct material *m);
 double density_limit(const struct eos *eos, const struct material *m);
 
+/* ---- p is linear in T ----
+ *
+ * The functions below, and follow_pressure in boundary.c with p_T = p/T, are what relies on p = rho T A(nu): an
+ * equation of state whose p is another function of T has these places to change. */
+
 /* Computes p / T, which depends on rho alone, for rho[n] with any n. */
 void pressure_per_temperature(const struct eos *eos, const struct material *m, int n, const double *rho, double *out);
+/* Computes the state of n <= BATCH densities at eps = 1: p and c2 are proportional to eps, gruneisen has no eps. */
+void eos_unit_state(const struct eos *eos, const struct material *m, int n, const double *rho, double *p, double *c2,
+                    double *gruneisen);
+/* Returns the eps at which the pressure is p, if it is `plain` at eps and the same rho. */
+static inline double eps_at_pressure(double p, double plain, double eps) {
+    return eps * (p / plain);
+}
+/* The same with the Grueneisen coefficient of rho. */
+static inline double eps_of_pressure(double p, double rho, double gruneisen) {
+    return p / (rho * gruneisen);
+}
+/* Returns eps + p/rho. */
+static inline double enthalpy_of(double eps, double gruneisen) {
+    return fma(gruneisen, eps, eps);
+}
+/* Returns rho dGamma/drho of the Grueneisen coefficient Gamma, from c2 at eps = 1. */
+static inline double gruneisen_slope(double unit_c2, double gruneisen) {
+    return unit_c2 - gruneisen - gruneisen * gruneisen;
+}
 
 #endif

@@ -150,7 +150,7 @@ static void weigh(const struct gas *g, int from, int n, double *const U[MAX_VAR]
     models->eos->state(&models->material, n, q.rho, q.eps, plain, q.c2, q.gruneisen);
     for (int i = 0; i < n; i++) {
         const int at = m->ncells + mirror[i];
-        const double here = q.inner[0][i], more = q.rho[i] - here, eps = q.eps[i] * (q.p[i] / plain[i]);
+        const double here = q.inner[0][i], more = q.rho[i] - here, eps = eps_at_pressure(q.p[i], plain[i], q.eps[i]);
         double square = 0;
         for (int k = 1; k < last; k++) {
             const double moved = U[k][at] / here;

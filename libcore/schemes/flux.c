@@ -79,16 +79,11 @@ ALWAYS_INLINE void close_basis(const int dim, const double *u, double enthalpy, 
     b->half_inverse_c[i] = 0.5 * inverse_c;
 }
 
-/* Returns eps + p/rho. Every equation of state here is linear in T (eos.h), so that p = rho eps g. */
-ALWAYS_INLINE double static_enthalpy(double eps, double g) {
-    return fma(g, eps, eps);
-}
-
 ALWAYS_INLINE void state_bases_dim(const int dim, int n, const struct face_states *restrict s,
                                    struct bases *restrict b) {
     for (int i = 0; i < n; i++) {
         double u[MAX_DIM] = {s->u[0][i], dim > 1 ? s->u[1][i] : 0, dim > 2 ? s->u[2][i] : 0};
-        close_basis(dim, u, static_enthalpy(s->eps[i], s->gruneisen[i]), sqrt(s->c[i]), s->gruneisen[i], b, i);
+        close_basis(dim, u, enthalpy_of(s->eps[i], s->gruneisen[i]), sqrt(s->c[i]), s->gruneisen[i], b, i);
     }
 }
 
@@ -120,8 +115,8 @@ ALWAYS_INLINE void common_bases_dim(const int dim, const struct faces *f, const 
         const struct pair G = upwind_pair(g, i, s, left, right), U = upwind_pair(u0, i, s, left, right);
         const struct pair V = upwind_pair(u1, i, s, left, right), W = upwind_pair(u2, i, s, left, right);
         const double u[MAX_DIM] = {0.5 * (U.l + U.r), 0.5 * (V.l + V.r), 0.5 * (W.l + W.r)};
-        close_basis(dim, u, 0.5 * (static_enthalpy(e.l, G.l) + static_enthalpy(e.r, G.r)),
-                    sqrt(0.5 * (a.l * a.l + a.r * a.r)), 0.5 * (G.l + G.r), b, i);
+        close_basis(dim, u, 0.5 * (enthalpy_of(e.l, G.l) + enthalpy_of(e.r, G.r)), sqrt(0.5 * (a.l * a.l + a.r * a.r)),
+                    0.5 * (G.l + G.r), b, i);
     }
 }
 

@@ -242,14 +242,14 @@ struct side { /* states rho, u, p on one side of the faces, with E */
 };
 
 /* Closes the states q, which take the place of a cell's where they are not admissible: c, and E from
- * eps = p/(rho gruneisen). unit: c^2 and gruneisen at eps = 1, to which c^2 is proportional. */
+ * eps of p. unit: c^2 by eos_unit_state. */
 KERNEL static void close_side(int n, int dim, const double *restrict unit, const double *restrict g,
                               struct side *restrict q) {
     for (int i = 0; i < n; i++) {
         const double t = dim > 2   ? q->u[1][i] * q->u[1][i] + q->u[2][i] * q->u[2][i]
                          : dim > 1 ? q->u[1][i] * q->u[1][i]
                                    : 0;
-        const double eps = q->p[i] / (q->rho[i] * g[i]);
+        const double eps = eps_of_pressure(q->p[i], q->rho[i], g[i]);
         q->c[i] = sqrt(unit[i] * eps);
         q->E[i] = q->rho[i] * (eps + 0.5 * (q->u[0][i] * q->u[0][i] + t));
     }
@@ -261,18 +261,17 @@ static void side_of(const struct faces *f, const struct eos *eos, const struct m
     const int n = f->n;
     const long cell = side > 0 ? 0 : f->stride;
     const double limit = density_limit(eos, m);
-    double one[BATCH], p[BATCH], unit[BATCH], g[BATCH];
+    double p[BATCH], unit[BATCH], g[BATCH];
     flux_reconstruct(f, f->state[0], side, r, q->rho);
     for (int k = 0; k < f->dim; k++) flux_reconstruct(f, f->velocity[k], side, r, q->u[k]);
     flux_sided_pressure(f, side, r, q->p);
     for (int i = 0; i < n; i++) {
-        one[i] = 1;
         if (q->rho[i] > 0 && q->rho[i] < limit && q->p[i] > 0) continue;
         q->rho[i] = f->state[0][i + cell];
         q->p[i] = f->p[i + cell];
         for (int k = 0; k < f->dim; k++) q->u[k][i] = f->velocity[k][i + cell];
     }
-    eos->state(m, n, q->rho, one, p, unit, g);
+    eos_unit_state(eos, m, n, q->rho, p, unit, g);
     close_side(n, f->dim, unit, g, q);
 }
 

@@ -102,6 +102,31 @@ static void sound_speed_is_consistent(void **state) {
 }
 
 /* sigma = 0 and e = 1 need no special code: the dense gas is then the perfect one, to the last bit. */
+/* What eos.h derives from p = rho T A(nu), for every row of the table. */
+static void pressure_is_linear_in_T(void **state) {
+    (void)state;
+    for (int k = 0; k < eos_count; k++)
+        for (double nu = 0.01; nu < 0.6; nu += 0.031) {
+            const struct eos *eos = &eos_table[k];
+            struct material m = grains_of(eos, 0.8, 0.1);
+            const double h = 1e-6, rho = nu / packing_per_density(&m), eps = 2.3,
+                         near[2] = {rho * (1 + h), rho * (1 - h)};
+            double p, c2, gruneisen, p1, unit_c2, g1, per, beside[3][2];
+            eos->state(&m, 1, &rho, &eps, &p, &c2, &gruneisen);
+            eos_unit_state(eos, &m, 1, &rho, &p1, &unit_c2, &g1);
+            eos_unit_state(eos, &m, 2, near, beside[0], beside[1], beside[2]);
+            pressure_per_temperature(eos, &m, 1, &rho, &per);
+            assert_close(p1 * eps, p, 1e-14, "p");
+            assert_close(unit_c2 * eps, c2, 1e-14, "c2");
+            assert_true(g1 == gruneisen);
+            assert_close(per * temperature_of(&m, eps), p, 1e-14, "p/T");
+            assert_close(eps_at_pressure(p, p1, 1), eps, 1e-14, "eps of p");
+            assert_close(eps_of_pressure(p, rho, gruneisen), eps, 1e-12, "eps of p by Gamma");
+            assert_close(enthalpy_of(eps, gruneisen), eps + p / rho, 1e-12, "enthalpy");
+            assert_near(gruneisen_slope(unit_c2, g1), (beside[2][0] - beside[2][1]) / (2 * h), 1e-7 * unit_c2);
+        }
+}
+
 static void dilute_limit(void **state) {
     (void)state;
     const struct eos *gs = eos_find("GoldshteinShapiro"), *perfect = eos_find("perfectGas");
@@ -282,6 +307,7 @@ int main(void) {
         cmocka_unit_test(reference_values),
         cmocka_unit_test(initial_states),
         cmocka_unit_test(sound_speed_is_consistent),
+        cmocka_unit_test(pressure_is_linear_in_T),
         cmocka_unit_test(dilute_limit),
         cmocka_unit_test(batch_is_a_loop),
         cmocka_unit_test(torquato_values),
