@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The recipes of docs/addAModel.md: each diff applies to this tree, touches no more files than it says, and all together
 compile, pass the tests that go over the tables of models, and run."""
+import itertools
 import os
 import re
 import shutil
@@ -26,6 +27,7 @@ RECIPES = {
     "A source": (1, "quadraticDrag"),
     "A cooling law": (1, "viscoelastic"),
     "A function object": (2, "centreOfMass"),
+    "A law that sees the flow": (1, "Bagnold"),
 }
 TABLE_TESTS = ["models/test_eos", "models/test_transport", "models/test_source", "models/test_cooling",
                "models/test_boundary", "schemes/test_flux", "schemes/test_reconstruct"]
@@ -100,15 +102,15 @@ class Recipes(unittest.TestCase):
         self.run_all_of_them(solver)
 
     def run_all_of_them(self, solver):
-        """A stream of spheres in a channel that uses all eight, on both engines."""
-        for engine in ("lattice", "polyhedral"):
-            case, n = os.path.join(self.tree, engine), np.array([12, 8, 1])
+        """A stream of spheres in a channel that uses all of them, on both engines, with either law of transport."""
+        for engine, law in itertools.product(("lattice", "polyhedral"), ("DiluteSpheres", "Bagnold")):
+            case, n = os.path.join(self.tree, engine + law), np.array([12, 8, 1])
             at = boxes.centres(n, 0.1 * n)
             u = np.stack([2 + at[:, 1], 0 * at[:, 0], 0 * at[:, 0]], axis=1)
             boxes.box_case(case, n, 0.1 * n, 50 + at[:, 0], u, np.full(96, 500.0), 0.02, types={"x": "cyclic"}, e=0.9,
                            eos="CarnahanStarling", flux="HLL", reconstruct="vanLeer", cooling="viscoelastic")
             boxes.write_field(case, "U", u, '"x.*" cyclic\n"y.*" slipLength; length 0.05\n"z.*" empty')
-            harness.edit(case, "constant/granularProperties", transport="DiluteSpheres")
+            harness.edit(case, "constant/granularProperties", transport=law)
             runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
             runs.add(case, "constant/granularProperties",
                      "sources (quadraticDrag); quadraticDragCoeffs { factor 0.1; }\n")
