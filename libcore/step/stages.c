@@ -22,11 +22,6 @@ static double part_of(const struct stepper *s, int stage) {
     return state;
 }
 
-/* Gives the patches their values at the time of a stage. */
-static void set_time(struct gas *g, double t, double dt, int stage) {
-    if (g->patches.renew) renew_patches(g, t + part_of(g->models.stepper, stage) * dt);
-}
-
 /* Returns the fraction of an amount added after a stage that the result of the step holds: later stages are linear in
  * it. */
 static double share_of(const struct stepper *s, int added) {
