@@ -22,6 +22,7 @@
 #include "libcore/schemes/polynomial.h"
 #include "libcore/schemes/reconstruct.h"
 #include "libcore/schemes/stepper.h"
+#include "mesh/base/clock.h"
 #include "mesh/grid/grid.h"
 
 struct gas_models { /* models and schemes, as the dictionaries choose them */
@@ -176,12 +177,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
 struct gas_counts gas_counts(const struct gas *g);
 /* Sets out[] to the seconds of the clock that each part of steps took on this rank since gas_make, attempts that failed
  * among them; returns their number. */
-enum { GAS_PARTS = 12 };
-struct gas_seconds {
-    const char *name; /* of the part */
-    double seconds;
-};
-int gas_seconds(const struct gas *g, struct gas_seconds out[GAS_PARTS]);
+int gas_seconds(const struct gas *g, struct part_seconds out[PARTS_TIMED]);
 /* Goes on with the counts of an earlier run (all but those of diffusion and beds), its pause, and with its field
  * GAS_LIMITED in the cells of this rank, as gas_set_own has them (NULL: there is none). */
 void gas_resume(struct gas *g, const struct gas_counts *counts, const double *limited);

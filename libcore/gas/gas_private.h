@@ -103,11 +103,11 @@ struct patches {
 };
 
 struct counting {
-    struct gas_counts now;     /* of this run; sums of amounts and `place` go on from an earlier one */
-    struct gas_counts before;  /* numbers of an earlier run */
-    long computed, all;        /* cell updates on this rank: computed ones, and with those that were left out */
-    double seconds[GAS_PARTS]; /* s, clock of this rank: by each part of steps (libcore/step/step_parts.c) */
-    long images;               /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
+    struct gas_counts now;       /* of this run; sums of amounts and `place` go on from an earlier one */
+    struct gas_counts before;    /* numbers of an earlier run */
+    long computed, all;          /* cell updates on this rank: computed ones, and with those that were left out */
+    double seconds[PARTS_TIMED]; /* s, clock of this rank: by each part of steps (libcore/step/step_parts.c) */
+    long images;                 /* cells of the mesh that each cell stands for: more than 1 along uniform axes */
 };
 
 struct stiff { /* the diffusion that an attempt at a step refused; the same on all ranks */

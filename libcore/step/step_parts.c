@@ -2,8 +2,6 @@
 /* The table of the parts of a step, and the loop over it (step_parts.h). A further part is a row here and a file. */
 #include "libcore/step/step_parts.h"
 
-#include "mesh/base/clock.h"
-
 extern const struct part floors_part, bed_part, sources_part, diffusion_part, border_part, stages_part;
 
 /* The order of docs/physics.md 7.2 and 9.2: floors begin first and end last, stages begin last and end first. */
@@ -16,10 +14,10 @@ static const struct part *const table[] = {
     &stages_part,
 };
 enum { PARTS = sizeof table / sizeof *table };
-_Static_assert(PARTS <= GAS_PARTS, "g->counts.seconds has a place for each part");
+_Static_assert((int)PARTS <= (int)PARTS_TIMED, "g->counts.seconds has a place for each part");
 
-int gas_seconds(const struct gas *g, struct gas_seconds out[GAS_PARTS]) {
-    for (int i = 0; i < PARTS; i++) out[i] = (struct gas_seconds){table[i]->name, g->counts.seconds[i]};
+int gas_seconds(const struct gas *g, struct part_seconds out[PARTS_TIMED]) {
+    for (int i = 0; i < PARTS; i++) out[i] = (struct part_seconds){table[i]->name, g->counts.seconds[i]};
     return PARTS;
 }
 

@@ -6,4 +6,10 @@
 double clock_now(void); /* s, wall clock: never goes back */
 double cpu_now(void);   /* s, CPU time of this process */
 
+enum { PARTS_TIMED = 12 };
+struct part_seconds { /* what a part of something took */
+    const char *name;
+    double seconds;
+};
+
 #endif

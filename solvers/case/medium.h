@@ -5,6 +5,7 @@
 #ifndef SOLVERS_MEDIUM_H
 #define SOLVERS_MEDIUM_H
 
+#include "mesh/base/clock.h"
 #include "mesh/format/foamfile.h"
 #include "solvers/case/control.h"
 #include "solvers/case/fields.h"
@@ -100,6 +101,9 @@ struct medium_type {
     /* Sets *row to the numbers of a log entry (on the root) and, unless f is NULL, prints its lines, on the root.
      * Collective. */
     status (*log)(struct medium *m, FILE *f, struct log_row *row);
+    /* Sets out[] to the seconds that each part of the steps took on this rank, and returns their number. NULL: steps
+     * have no parts. */
+    int (*seconds)(const struct medium *m, struct part_seconds out[PARTS_TIMED]);
     /* prints its lines at the end, on the root; collective; NULL: it has none */
     status (*finish)(struct medium *m, FILE *f);
 

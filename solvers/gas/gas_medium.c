@@ -553,14 +553,12 @@ static const char help[] =
     "the run ends. One run at a time works on a case (DIR/.haff.lock); checkCase and caseToVTK may read "
     "meanwhile.\n"
     "Exit codes: 0 done or stopped as asked; 1 the case or the command line is wrong, nothing was written; 2 the "
-    "gas\n"
-    "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
+    "gas\nleft the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
     "MPI.\n";
 
 static status gas_follow(struct medium *m, double *dt) {
-    const struct gas_state *g = of(m);
-    *dt = gas_tally_step(g->gas);
-    return gas_tally(g->gas);
+    *dt = gas_tally_step(of(m)->gas);
+    return gas_tally(of(m)->gas);
 }
 
 struct turning { /* context of turn_face */
@@ -648,6 +646,10 @@ static status gas_medium_budget(struct medium *m, struct budget_row *out) {
     return OK;
 }
 
+static int gas_medium_seconds(const struct medium *m, struct part_seconds out[PARTS_TIMED]) {
+    return gas_seconds(of(m)->gas, out);
+}
+
 const struct medium_type gas_medium = {
     .application = "granularGas",
     .help = help,
@@ -674,6 +676,7 @@ const struct medium_type gas_medium = {
     .step = gas_medium_step,
     .after = gas_after,
     .log = gas_log,
+    .seconds = gas_medium_seconds,
     .finish = gas_finish,
     .lacks = gas_lacks,
     .derive = gas_derive,

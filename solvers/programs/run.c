@@ -12,6 +12,7 @@
 #include "solvers/functions/functions.h"
 #include "solvers/output/output.h"
 #include "solvers/output/report.h"
+#include "solvers/output/timing.h"
 
 #include <math.h>
 #include <signal.h>
@@ -25,6 +26,7 @@ struct run {
     struct functions *functions;
     struct output *output;
     struct progress progress;
+    struct timing timing;
     struct outlook outlook;
     struct moment now;
     struct pace pace;    /* of the next step */
@@ -159,6 +161,7 @@ static status start(struct run *r) {
         report_header(stdout, s, true);
         changes_print(stdout, s);
     }
+    timing_start(&r->timing);
     progress_start(&r->progress, s);
     return functions_collect(r->functions, NULL, &r->now);
 }
@@ -316,6 +319,7 @@ static status step_once(struct run *r) {
     double end;
     const struct control *c = s->control;
     const struct pace pace = plan(r);
+    timing_lap(&r->timing, LAP_PLAN);
     outlook_steps(&r->outlook, s, &pace, r->now.t);
     const double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
     const double knot = next_knot(r);
@@ -326,7 +330,9 @@ static status step_once(struct run *r) {
     if (w.log > 0 && limit == DT_COURANT && !pace.limit) m->type->cell(m, e.cell, sizeof e.cell);
     TRY(functions_prepare(r->functions, r->now.t, end));
     m->end = end;
+    timing_lap(&r->timing, LAP_LOG);
     TRY(m->type->step(m, c, r->now.t, &dt));
+    timing_lap(&r->timing, LAP_STEP);
     if (dt == 0) return end_early(r);
     const struct moment before = r->now;
     r->now = (struct moment){
@@ -345,7 +351,10 @@ static status step_once(struct run *r) {
         TRY(comm_agree(s->comm, comm_root(s->comm) ? case_here(s) : OK)); /* or it is another folder's */
         read_again(r);
     }
-    return after_step(r, &before, &w);
+    timing_lap(&r->timing, LAP_LOG);
+    TRY(after_step(r, &before, &w));
+    timing_lap(&r->timing, LAP_OUTPUT);
+    return OK;
 }
 
 /* Writes the last good state for a look at it. */
@@ -359,6 +368,7 @@ static void print_end(const struct run *r) {
     const struct setup *s = r->setup;
     double spent = clock_now() - r->progress.start_clock;
     long steps = r->now.step - s->start.step;
+    timing_print(&r->timing, s->medium, stdout);
     printf("end at time %.10g: %ld steps in %.2f s", r->now.t, steps, spent);
     if (!s->medium->type->event_driven)
         printf(", %.4g million cell steps per second", 1e-6 * (double)steps * s->mesh->ncells / spent);
@@ -377,6 +387,7 @@ static status loop(struct run *r) {
         return OK;
     }
     TRY(tabulate_start(r));
+    timing_lap(&r->timing, LAP_START);
     while (!r->stop) {
         status e = step_once(r);
         if (e) return keep_last(r, e);

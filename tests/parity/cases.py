@@ -251,6 +251,7 @@ def said(name, *arguments, **options):
 
 
 DROPPED = re.compile(r"""^haff\ [\d.]+\ \(.*\)\n | ^\ +compiler\ \ .*\n | ^\ +wall\ .*\n | ^\ +memory\ about\ .*\n
+                     | ^Seconds\ of\ the\ clock,.*\n(\ {4}.*\ s\ +[\d.]+\ %\n)*
                      | ^[\d.e+-]+\ %\ of\ the\ cell\ updates\ were\ computed;.*\n
                      | ^(version|compiler|host|date)\ +".*";\n | (?<=[a-z])\ in\ [\d.]+\ s\b.*
                      | \ +\S+\ collisions/s.* | \ \([\d.e+-]+\ s\) | \d+-\d\d-\d\dT[\d:]+[+-]\d{4}(\ on\ [^,\n]*)?""", re.M | re.X)

@@ -83,6 +83,19 @@ class RunTable(harness.Folder, unittest.TestCase):
         harness.program("granularGas", "-case", off)
         self.assertFalse(os.path.exists(os.path.join(off, "postProcessing")))
 
+    def test_seconds(self):
+        """The log ends with the seconds of each part of the steps; together they are those of the run."""
+        log = harness.program("granularGas", "-case", self.made("seconds")).stdout
+        lines, end = re.search(r"^Seconds of the clock, rank 0\n((?: {4}.* %\n)+)end at time .* steps in (\S+) s", log, flags=re.M).groups()
+        parts = dict(re.findall(r"^ {4}(.*?) +([\d.]+) s +[\d.]+ %$", lines, flags=re.M))
+        self.assertLessEqual({"sources", "stages", "output"}, set(parts))
+        self.assertNotIn("bed", parts)
+        total = sum(float(v) for v in parts.values())
+        # each number is rounded to 0.01 s
+        self.assertAlmostEqual(total, float(end), delta=0.005 * (len(parts) + 1) + 0.01)
+        shares = [float(v) for v in re.findall(r"([\d.]+) %$", lines, flags=re.M)]
+        self.assertAlmostEqual(sum(shares), 100, delta=0.05 * len(shares) + 1e-9)
+
     def test_restart(self):
         """The rows of a stopped run and of the run after it are those of one that went through, also the changes since the
         start of the case, except what is counted for each run."""
