@@ -60,6 +60,7 @@ const struct param control_table[] = {
     CHOICE("runTable", run_table, TABLE_PRINTED, tables,
            "rows of postProcessing/run/START/run.dat, the log as a table: a row for each entry of the log, for each "
            "step, or no table"),
+    SWITCH("runTableParts", run_table_parts, false, "has run.dat a column of seconds for each part of the steps, too?"),
     EITHER("onError", write_on_error, true, errors, "what becomes of the last good state when the run fails"),
     EITHER("onCorruptTime", previous_if_corrupt, false, corrupt,
            "if the time to start from is damaged: end, or start from the time before"),

@@ -44,6 +44,7 @@ struct control {
     bool write_processors;    /* processorN folders are written, too */
     int log_interval;         /* steps between log entries; 0: about one a second */
     enum run_table run_table; /* steps that have a row in run.dat */
+    bool run_table_parts;     /* has a row the seconds of each part of the steps? */
     bool accepted[WARNINGS];  /* warnings of acceptWarnings */
     long stamp[2];            /* time of the file's last change when it was read: seconds, nanoseconds */
 };

@@ -100,8 +100,8 @@ void progress_start(struct progress *p, const struct setup *s) {
 }
 
 void progress_end(struct progress *p) {
-    if (p->table) fclose(p->table);
-    p->table = NULL;
+    if (p->table.file) fclose(p->table.file);
+    p->table.file = NULL;
 }
 
 double relative_change(double now, double first) {

@@ -18,9 +18,9 @@ struct progress {                 /* pace of a run, for its log */
     double mark_clock, mark_time; /* s: clock and time from which the present pace is measured */
     double pace;                  /* seconds of the clock per second of the run, lately */
     long first_step;
-    double first_cpu; /* s, of this rank */
-    bool lost;        /* was the folder of the case gone at the last entry? */
-    FILE *table;      /* run.dat, on the root; NULL: it has no row yet */
+    double first_cpu;            /* s, of this rank */
+    bool lost;                   /* was the folder of the case gone at the last entry? */
+    struct run_table_file table; /* run.dat, on the root */
 };
 
 struct step_entry { /* the numbers of one log entry */

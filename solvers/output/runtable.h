@@ -24,7 +24,9 @@
  * granularSegregation
  *   phiMin phiMax small smallChange solves iterations boundedFaces rejectedSteps
  * and at the end
- *   clockTime cpuTime   s since the start of this run: of the clock, and of the processors of all ranks together */
+ *   clockTime cpuTime   s since the start of this run: of the clock, and of the processors of all ranks together
+ * and with runTableParts yes
+ *   seconds_PART ..     s of the clock, rank 0: those that each part of the steps took in this run (granularGas) */
 #ifndef SOLVERS_RUNTABLE_H
 #define SOLVERS_RUNTABLE_H
 
@@ -37,7 +39,12 @@ struct run_moment { /* what the run itself knows of a row */
     const char *limit;
     double clock, cpu; /* s since the start of this run */
 };
-/* Writes a row, and before the first one opens the file, which *file then is. On the root. */
-status run_table_row(FILE **file, const struct setup *s, const struct run_moment *now, const struct log_row *row);
+struct run_table_file {
+    FILE *file; /* NULL: it has no row yet */
+    bool parts; /* has it columns for the parts of steps? */
+};
+/* Writes a row, and before the first one opens the file. On the root. */
+status run_table_row(struct run_table_file *table, const struct setup *s, const struct run_moment *now,
+                     const struct log_row *row);
 
 #endif

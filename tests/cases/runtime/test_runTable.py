@@ -96,6 +96,19 @@ class RunTable(harness.Folder, unittest.TestCase):
         shares = [float(v) for v in re.findall(r"([\d.]+) %$", lines, flags=re.M)]
         self.assertAlmostEqual(sum(shares), 100, delta=0.05 * len(shares) + 1e-9)
 
+    def test_parts(self):
+        """runTableParts adds a column of seconds for each part of the steps, which grow; other columns stay as they are."""
+        case = self.made("parts")
+        runs.add(case, CONTROL, "runTableParts yes;\n")
+        harness.program("granularGas", "-case", case)
+        head, rows = table(case)
+        self.assertEqual(head[:len(GAS)], GAS)
+        self.assertLessEqual({"seconds_sources", "seconds_stages", "seconds_border_of_the_bed"}, set(head[len(GAS):]))
+        self.assertTrue(all(len(row) == len(head) for row in rows))
+        spent = sum(column(case, name) for name in head[len(GAS):])
+        self.assertTrue((np.diff(spent) >= 0).all())
+        self.assertLessEqual(spent[-1], column(case, "clockTime")[-1] + 0.0005 * len(head))
+
     def test_restart(self):
         """The rows of a stopped run and of the run after it are those of one that went through, also the changes since the
         start of the case, except what is counted for each run."""
