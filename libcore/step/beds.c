@@ -29,7 +29,7 @@ static bool border_end(struct gas *g, struct attempt *a) {
     return true;
 }
 
-const struct part border_part = {"border of the bed", has_bed, border_begin, border_stage, border_end, GAS_FLOW};
+const struct part border_part = {"border of the bed", has_bed, border_begin, border_stage, border_end, GAS_FLOW, false};
 
 static bool bed_end(struct gas *g, struct attempt *a) {
     dense_take(g, &g->V);
@@ -38,4 +38,4 @@ static bool bed_end(struct gas *g, struct attempt *a) {
     return true;
 }
 
-const struct part bed_part = {"bed", has_bed, NULL, NULL, bed_end, GAS_FLOW};
+const struct part bed_part = {"bed", has_bed, NULL, NULL, bed_end, GAS_FLOW, false};

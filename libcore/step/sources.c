@@ -89,7 +89,7 @@ static bool sources_end(struct gas *g, struct attempt *a) {
     return !g->step.hybrid || any_rank(g, a->bad) == 0;
 }
 
-const struct part sources_part = {"sources", are_there, sources_begin, NULL, sources_end, BOOKS_ITSELF};
+const struct part sources_part = {"sources", are_there, sources_begin, NULL, sources_end, BOOKS_ITSELF, true};
 
 void sources_kick(struct gas *g, const struct attempt *a, bool second, const struct state *s) {
     struct source_plan plan;

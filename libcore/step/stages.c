@@ -97,11 +97,9 @@ static bool stages_begin(struct gas *g, struct attempt *a) {
     a->U0 = a->now;
     a->hot = !g->step.hybrid && overheated(g, a);
     if (a->hot) return false;
-    a->at_once = !a->guarded && g->engine->stage.last_stage && !g->models.transport && !g->audit && !g->step.hybrid &&
-                 !sources_ask(g);
     g->step.dt = a->dt;
     if (g->falling.cells) source_gravity(&g->models.source, a->t, a->dt, g->falling.gravity);
-    if (a->guarded && a->sources && !g->step.hybrid && any_rank(g, a->bad)) return false;
+    if (a->guarded && !g->step.hybrid && any_rank(g, a->bad)) return false;
     if (a->at_once && a->sources) {
         sources_plan(g, a, true, &a->last);
         a->ending.sources = &a->last;
@@ -164,4 +162,4 @@ static bool stages_end(struct gas *g, struct attempt *a) {
     return true;
 }
 
-const struct part stages_part = {"stages", are_due, stages_begin, stages_stage, stages_end, GAS_FLOW};
+const struct part stages_part = {"stages", are_due, stages_begin, stages_stage, stages_end, GAS_FLOW, true};

@@ -85,7 +85,11 @@ bool parts_try(struct gas *g, struct attempt *a) {
     struct walk w = {.g = g, .a = a, .clock = clock_now()};
     a->now = &g->U;
     books_begin(g);
-    for (int i = 0; i < PARTS; i++) w.active[i] = table[i]->active(g, a);
+    a->at_once = g->engine->stage.last_stage && !g->audit && !sources_ask(g);
+    for (int i = 0; i < PARTS; i++) {
+        w.active[i] = table[i]->active(g, a);
+        a->at_once &= !w.active[i] || !table[i]->end || table[i]->folds;
+    }
     if (!begin_all(&w) || !stage_all(&w) || !end_all(&w)) return false;
     return a->guarded || g->step.hybrid || end_unguarded(g, a);
 }
@@ -101,16 +105,16 @@ static bool floors_first(struct gas *g, struct attempt *a) {
     return true;
 }
 
-/* Mends the cells that the second half of the sources left inadmissible. */
+/* Mends the cells that the second halves of other parts left inadmissible. */
 static bool floors_last(struct gas *g, struct attempt *a) {
-    if (!a->sources || g->step.hybrid) return true;
+    if (g->step.hybrid) return true; /* the bed has called the floors */
     g->floors.share = 1;
     long bad = any_rank(g, a->bad);
     if (bad) bad = any_rank(g, floors_apply(g, &g->V));
     return bad == 0;
 }
 
-const struct part floors_part = {"floors", are_guarded, floors_first, NULL, floors_last, GAS_FLOORS};
+const struct part floors_part = {"floors", are_guarded, floors_first, NULL, floors_last, GAS_FLOORS, false};
 
 static bool has_transport(const struct gas *g, const struct attempt *a) {
     (void)a;
@@ -143,4 +147,5 @@ static bool diffusion_last(struct gas *g, struct attempt *a) {
     return true;
 }
 
-const struct part diffusion_part = {"diffusion", has_transport, diffusion_first, NULL, diffusion_last, BOOKS_ITSELF};
+const struct part diffusion_part = {"diffusion",  has_transport, diffusion_first, NULL, diffusion_last,
+                                    BOOKS_ITSELF, false};

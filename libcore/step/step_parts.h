@@ -37,7 +37,8 @@ struct part {
     bool (*begin)(struct gas *g, struct attempt *a);              /* moves a->now to another state, or to itself */
     bool (*stage)(struct gas *g, struct attempt *a, const struct stage_now *s);
     bool (*end)(struct gas *g, struct attempt *a); /* acts on g->V */
-    int cause; /* enum gas_cause of what `end` changes; BOOKS_ITSELF: the part books its own changes */
+    int cause;  /* enum gas_cause of what `end` changes; BOOKS_ITSELF: the part books its own changes */
+    bool folds; /* can the last stage do its `end`, tile by tile (struct ending)? */
 };
 enum { BOOKS_ITSELF = -1 };
 
