@@ -31,6 +31,9 @@
  */
 #include "libcore/gas/gas_private.h"
 
+/* T at the end of a step is extrapolated from the first half by at most this factor: at a front that passes the
+ * extrapolation says nothing of what follows. */
+#define MOST_RISE 4.
 enum {
     MOST_PARTS = 64, /* most parts that a half step is cut into before the time step is halved */
     ASK_EVERY = 64   /* stages after which the ranks ask each other whether to leave the step */
@@ -279,11 +282,28 @@ static long conduct(struct gas *g, const struct state *from, const struct state 
     }
 }
 
+struct between { /* context of visitors of rows: two states, a time apart */
+    struct gas *g;
+    const struct state *from, *to;
+    double dt;
+};
+
+static void dilate_visit(void *between, const struct row *row) {
+    const struct between *b = between;
+    struct gas *g = b->g;
+    double spread[BATCH], *to = b->to->block[row->block] + row->at;
+    g->engine->diffusion.spread(g, b->from, b->to, row, spread);
+    dilate_row(g, row->n, b->dt, g->diffusion.dilation[row->block] + row->at, spread,
+               b->from->block[row->block] + row->at, to + (g->components + 1) * g->size);
+}
+
 /* Takes the heat dilation div u over dt from `mid`, the result of the stress on `from`, if the law has that term. */
 static void dilate(struct gas *g, const struct state *from, const struct state *mid, double dt) {
     if (!g->diffusion.terms.dilation) return;
     books_part(g, GAS_HEAT, mid); /* the heat that cross grad rho has moved */
-    g->engine->diffusion.dilate(g, from, mid, dt);
+    g->engine->diffusion.ghosts(g, from);
+    g->engine->diffusion.ghosts(g, mid);
+    g->engine->state.rows(g, EVERY_CELL, NULL, dilate_visit, &(struct between){g, from, mid, dt});
     books_part(g, GAS_DILATION, mid);
 }
 
@@ -302,6 +322,13 @@ static long diffuse_both(struct gas *g, const struct state *from, const struct s
     return conduct(g, mid, to, t, dt, rate[HEAT]);
 }
 
+static void ahead_row(void *between, const struct row *row) {
+    const struct between *b = between;
+    double T[BATCH], *warm = b->g->diffusion.warm[row->block] + row->at;
+    temperature_row(b->g, row->n, b->to->block[row->block] + row->at, T);
+    for (int i = 0; i < row->n; i++) warm[i] = smaller(larger(T[i] / warm[i], 1 / MOST_RISE), MOST_RISE);
+}
+
 bool diffuse(struct gas *g, const struct state *from, const struct state *to, double t, double dt, bool second,
              long bad) {
     double rate[2], most[3] = {bad > 0, 0, 0};
@@ -313,7 +340,6 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
     if (most[0] > 0 || !isfinite(most[1] + most[2]) || too_stiff(g, from, dt, most + 1)) return false;
-    const bool first = !second && g->engine->diffusion.ahead;
     g->diffusion.ahead = false;
     long repeats = 0, plain = 0;
     books_mark(g, false);
@@ -333,9 +359,10 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     g->counts.now.halves += most[0] == 0;
     g->counts.now.repeated += repeats;
     g->counts.now.plain += plain;
-    if (first && most[0] == 0) {
+    if (!second && most[0] == 0) {
         renew_patches(g, t + dt);
-        g->engine->diffusion.ahead(g, to);
+        g->engine->diffusion.ghosts(g, to);
+        g->engine->state.rows(g, NEAR_CELLS, NULL, ahead_row, &(struct between){.g = g, .to = to});
         diffusion_looks_ahead(g, to);
         g->diffusion.ahead = true;
     }

@@ -113,14 +113,13 @@ struct diffusion_hooks {
     void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
     /* Finds the centre of a cell that reached `rate` in the last rates, of Y0, as gas_fastest_place. */
     void (*stiffest_place)(struct gas *g, enum diffusing what, const struct state *Y0, double rate, double place[3]);
-    /* Keeps warm = T(to)/T(Y0 of the last rates), bounded; while g->diffusion.ahead is set, rates takes the
-     * coefficients at T warm. NULL: g->diffusion.ahead is never set. */
-    void (*ahead)(struct gas *g, const struct state *to);
+    /* Fills the ghosts of a state that are NEAR_CELLS, beyond patches, too. */
+    void (*ghosts)(struct gas *g, const struct state *s);
     /* Adds to the energy of `to` dt div (cross grad rho), with rho and the coefficients of the last rates. */
     void (*cross)(struct gas *g, const struct state *to, double dt);
-    /* Takes dt dilation div u from the energy of `to`, with the mean u of both states and the coefficients of the last
-     * rates, but less than the internal energy of `from` (dilate_row). */
-    void (*dilate)(struct gas *g, const struct state *from, const struct state *to, double dt);
+    /* Computes div u in the cells of a row, with the mean u of both states, whose ghosts are filled. */
+    void (*spread)(const struct gas *g, const struct state *from, const struct state *to, const struct row *row,
+                   double *spread);
     /* Sets q_0 = u (VISCOUS), or T - rest friction - (g->diffusion.late ? cooled : 0) (HEAT), of Y0, and S_1 = factor
      * q_0. */
     void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);

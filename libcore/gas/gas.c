@@ -5,10 +5,20 @@
 #include <stdlib.h>
 
 /* The lines of blocks that both engines have. */
-static void list_lines(struct gas *g, double ***line[7]) {
-    double ***const all[] = {&g->flags.cells,        &g->flags.limited,    &g->flags.kept,   &g->flags.mark,
-                             &g->diffusion.friction, &g->diffusion.cooled, &g->falling.cells};
-    memcpy(line, all, sizeof all);
+struct lines {
+    double ***line;
+    bool wanted;
+};
+enum { LINES = 9 };
+static void list_lines(struct gas *g, struct lines out[LINES]) {
+    const bool falls = source_falls(&g->models.source, g->components), diffuses = g->models.transport != NULL;
+    const struct lines all[LINES] = {
+        {&g->flags.cells, true},          {&g->flags.limited, true},
+        {&g->flags.kept, true},           {&g->flags.mark, diffuses},
+        {&g->diffusion.warm, diffuses},   {&g->diffusion.friction, diffuses},
+        {&g->diffusion.cooled, diffuses}, {&g->diffusion.dilation, g->diffusion.terms.dilation},
+        {&g->falling.cells, falls}};
+    memcpy(out, all, sizeof all);
 }
 
 status line_make(const struct gas *g, double ***out) {
@@ -23,22 +33,21 @@ void line_free(const struct gas *g, double **line) {
 }
 
 static status make_lines(struct gas *g) {
-    const bool falls = source_falls(&g->models.source, g->components);
-    double ***line[7];
-    list_lines(g, line);
-    for (int i = 0; i < 7; i++)
-        if (i < 3 || (i < 6 ? g->models.transport != NULL : falls)) TRY(line_make(g, line[i]));
+    struct lines l[LINES];
+    list_lines(g, l);
+    for (int i = 0; i < LINES; i++)
+        if (l[i].wanted) TRY(line_make(g, l[i].line));
     TRY(allocate(&g->flags.blocks, g->blocks, sizeof *g->flags.blocks, "the gas"));
     TRY(allocate(&g->volumes.sums, (long)g->nvar * grid_blocks(g), sizeof *g->volumes.sums, "the gas"));
-    if (falls) TRY(allocate(&g->falling.dropped, g->floors.places, sizeof *g->falling.dropped, "the gas"));
-    if (falls) TRY(allocate(&g->falling.blocks, g->blocks, sizeof *g->falling.blocks, "the gas"));
+    if (g->falling.cells) TRY(allocate(&g->falling.dropped, g->floors.places, sizeof *g->falling.dropped, "the gas"));
+    if (g->falling.cells) TRY(allocate(&g->falling.blocks, g->blocks, sizeof *g->falling.blocks, "the gas"));
     return floors_make(g);
 }
 
 static void free_lines(struct gas *g) {
-    double ***line[7];
-    list_lines(g, line);
-    for (int i = 0; i < 7; i++) line_free(g, *line[i]);
+    struct lines l[LINES];
+    list_lines(g, l);
+    for (int i = 0; i < LINES; i++) line_free(g, *l[i].line);
     free(g->flags.blocks);
     free(g->volumes.sums);
     free(g->falling.dropped);

@@ -123,10 +123,13 @@ struct half_diffusion {           /* the half step of diffusion in hand; with tr
     bool late;                    /* is it in the second half of the step, before cooling? */
     bool oblique;                 /* is a line of centres oblique to its face, so that heat is not symmetric? */
     bool ahead;                   /* are the coefficients those at the end of the half step (diffusion.c)? */
-    double **friction;            /* [blocks][size] rise of T by the stress, less cooled; 0 in ghosts */
-    double **cooled;              /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
-    struct implicit *implicit;    /* NULL: diffusion is explicit */
-    int unasked;                  /* stages since the ranks last asked each other whether to leave the step */
+    /* [blocks][size] T of the coefficients of the first half, then T at its end over that; with ghosts (NEAR_CELLS) */
+    double **warm;
+    double **dilation;         /* [blocks][size] coefficient of div u; NULL: the law has no such term */
+    double **friction;         /* [blocks][size] rise of T by the stress, less cooled; 0 in ghosts */
+    double **cooled;           /* [blocks][size] fall of T by the sources in the first half; 0 in ghosts */
+    struct implicit *implicit; /* NULL: diffusion is explicit */
+    int unasked;               /* stages since the ranks last asked each other whether to leave the step */
     struct stiff stiff;
 };
 

@@ -93,14 +93,15 @@ status tiles_diffuser_make(struct gas *g);
 void tiles_diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
-void tiles_diffusion_ahead(struct gas *g, const struct state *to);
+void tiles_diffusion_ghosts(struct gas *g, const struct state *s);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt);
-void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
+void tiles_diffusion_spread(const struct gas *g, const struct state *from, const struct state *to,
+                            const struct row *row, double *spread);
 void tiles_diffusion_plain(struct gas *g);
 long tiles_implicit_across(const struct gas *g, int tile, long at, int k);
 double *tiles_implicit_sum(const struct gas *g, int tile, int c);

@@ -4,10 +4,6 @@
 
 #include <stdlib.h>
 
-/* T at the end of a step is extrapolated from the first half by at most this factor: at a front that passes the
- * extrapolation says nothing of what follows. */
-#define MOST_RISE 4.
-
 status tiles_diffuser_make(struct gas *g) {
     struct diffuser *d;
     TRY(allocate(&d, 1, sizeof *d, "diffusion"));
@@ -21,21 +17,18 @@ status tiles_diffuser_make(struct gas *g) {
         memset(d->keep[t], 0, (size_t)(g->dim * g->forest->size) * sizeof(double));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
-    if (g->diffusion.terms.cross) TRY(blocks_make(g->forest, g->dim + 1, &d->cross));
-    if (g->diffusion.terms.dilation) TRY(blocks_make(g->forest, 1, &d->dilation));
-    return blocks_make(g->forest, 1, &d->warm);
+    return g->diffusion.terms.cross ? blocks_make(g->forest, g->dim + 1, &d->cross) : OK;
 }
 
 void tiles_diffuser_free(struct gas *g) {
     struct diffuser *d = g->tiles->diffuser;
     if (!d) return;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,    d->light,
-                         d->wall,   d->warm,   d->keep,  d->cross,    d->dilation};
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->wall, d->keep, d->cross};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) blocks_free(g->forest, blocks[i]);
     free(d);
 }
 
-struct coefficients { /* what coefficient_visit and ahead_visit need */
+struct coefficients { /* what coefficient_visit needs */
     const struct gas *g;
     const double *U;
     double *warm, *cross, *dilation; /* lines of cells; NULL: there is no such term */
@@ -217,7 +210,7 @@ static void take_wall(const struct gas *g, int tile, const struct edge *e, const
         const long at = e->from + i * e->step, over = face + i * e->step;
         b->rho[i] = rho[at];
         b->T[i] = larger(temperature_of(&g->models.material, g->tiles->work.eps[at]), COLDEST) *
-                  (g->diffusion.ahead ? d->warm[tile][at] : 1);
+                  (g->diffusion.ahead ? g->diffusion.warm[tile][at] : 1);
         b->push[i] = e->to > e->from ? g->diffusion.pull[e->normal] : -g->diffusion.pull[e->normal];
         b->d[i] = width;
         b->shear[i] = width * width * faces[SHEAR * size + over];
@@ -283,31 +276,14 @@ void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
         const struct diffuser *d = g->tiles->diffuser;
         struct coefficients v = {g,
                                  Y0->block[t],
-                                 d->warm[t],
+                                 g->diffusion.warm[t],
                                  d->cross ? d->cross[t] + g->dim * f->size : NULL,
-                                 d->dilation ? d->dilation[t] : NULL,
+                                 g->diffusion.dilation ? g->diffusion.dilation[t] : NULL,
                                  shear_rate_at(g, g->models.transport->needs, t, 0)};
         ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t, Y0->block[t]);
         edges_visit(g, t, wall_edge, Y0->block[t]);
         tile_rates(g, t, Y0->block[t], most);
-    }
-}
-
-static void ahead_visit(void *context, long offset, int n) {
-    const struct coefficients *v = context;
-    double T[BATCH], *warm = v->warm + offset;
-    temperature_of_row(v->g, v->U, offset, n, T);
-    for (int i = 0; i < n; i++) warm[i] = smaller(larger(T[i] / warm[i], 1 / MOST_RISE), MOST_RISE);
-}
-
-void tiles_diffusion_ahead(struct gas *g, const struct state *to) {
-    const struct forest *f = g->forest;
-    forest_fill_layers(g->forest, 1, g->nvar, to->block);
-    for (int t = 0; t < f->ntiles; t++) {
-        struct coefficients v = {.g = g, .U = to->block[t], .warm = g->tiles->diffuser->warm[t]};
-        ghosts_of_patches(g, t, to->block[t], GHOSTS, NULL);
-        runs_visit(f, &f->tile[t], 1, ahead_visit, &v);
     }
 }

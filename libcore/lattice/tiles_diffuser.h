@@ -20,11 +20,9 @@ struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins w
     double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
     double **face;     /* FACE_LINES * dim: coefficients of the face below a cell */
     double **cross;    /* dim: cross/h d rho/dx on the face below a cell, then 1: cross of cells; NULL: no such term */
-    double **dilation; /* 1: coefficient of div u; NULL: no such term */
     double **light;    /* 1: 1/rho */
     double **keep;     /* dim: while `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
     double **wall;     /* WALL_LINES */
-    double **warm;     /* 1: T of the coefficients, then T(to)/T (diffusion_hooks.ahead); with one layer of ghosts */
     bool plain;        /* `keep` counts, until the next rates */
     int last;          /* which of the two sums is that of the last stage */
 };

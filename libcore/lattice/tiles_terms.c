@@ -5,7 +5,7 @@
 
 struct term { /* context of the visitors of rows */
     const struct gas *g;
-    const struct state *from, *to;
+    const struct state *to;
     double dt;
 };
 
@@ -29,7 +29,7 @@ static void cross_visit(void *term, const struct row *row) {
 }
 
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
-    g->engine->state.rows(g, EVERY_CELL, to, cross_visit, &(struct term){g, NULL, to, dt});
+    g->engine->state.rows(g, EVERY_CELL, to, cross_visit, &(struct term){g, to, dt});
     if (g->tally) tiles_tally_cross(g, dt);
 }
 
@@ -46,22 +46,16 @@ KERNEL static void add_half_spread(int n, int dim, const long *stride, const dou
     for (int i = 0; i < n; i++) spread[i] += sum[i];
 }
 
-static void dilate_visit(void *term, const struct row *row) {
-    const struct term *t = term;
-    const struct forest *f = t->g->forest;
-    const double *from = t->from->block[row->block] + row->at;
-    double spread[BATCH] = {0}, *to = t->to->block[row->block] + row->at;
-    add_half_spread(row->n, f->dim, f->stride, f->width, f->size, from, spread);
-    add_half_spread(row->n, f->dim, f->stride, f->width, f->size, to, spread);
-    dilate_row(t->g, row->n, t->dt, t->g->tiles->diffuser->dilation[row->block] + row->at, spread, from,
-               to + (t->g->components + 1) * f->size);
+void tiles_diffusion_spread(const struct gas *g, const struct state *from, const struct state *to,
+                            const struct row *row, double *spread) {
+    const struct forest *f = g->forest;
+    const struct state *both[] = {from, to};
+    memset(spread, 0, (size_t)row->n * sizeof *spread);
+    for (int i = 0; i < 2; i++)
+        add_half_spread(row->n, f->dim, f->stride, f->width, f->size, both[i]->block[row->block] + row->at, spread);
 }
 
-void tiles_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt) {
-    const struct state *both[] = {from, to};
-    for (int i = 0; i < 2; i++) {
-        forest_fill_layers(g->forest, 1, g->nvar, both[i]->block);
-        for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, both[i]->block[t], GHOSTS, NULL);
-    }
-    g->engine->state.rows(g, EVERY_CELL, to, dilate_visit, &(struct term){g, from, to, dt});
+void tiles_diffusion_ghosts(struct gas *g, const struct state *s) {
+    forest_fill_layers(g->forest, 1, g->nvar, s->block);
+    for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, s->block[t], GHOSTS, NULL);
 }

@@ -208,14 +208,15 @@ status cells_diffuser_make(struct gas *g);
 void cells_diffuser_free(struct cells_diffuser *d);
 void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
-void cells_diffusion_ahead(struct gas *g, const struct state *to);
+void cells_diffusion_ghosts(struct gas *g, const struct state *s);
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);
 long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight);
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt);
-void cells_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt);
+void cells_diffusion_spread(const struct gas *g, const struct state *from, const struct state *to,
+                            const struct row *row, double *spread);
 void cells_diffusion_plain(struct gas *g);
 long cells_implicit_across(const struct gas *g, int block, long at, int k);
 double *cells_implicit_sum(const struct gas *g, int block, int c);

@@ -12,12 +12,10 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *gradient[MAX_DIM * MAX_DIM]; /* dS_c/dx_k at k lines + c, lines: components of u, or 1 */
     double *cell[3];                     /* bulk, shear, heat */
     double *T;                           /* T at which the coefficients were taken */
-    double *warm;                        /* T of the coefficients, then T(to)/T (diffusion_hooks.ahead) */
     struct cells_walls wall;             /* what wall_shares says of the mirrors */
     bool slides;                         /* does gas slip along any wall that drags it? */
     bool lifts;                          /* is any wall.lift not 0? */
     double *cross;                       /* -cross d rho/dn times the area, left to right; NULL: no such term */
-    double *dilation;                    /* coefficients of div u; NULL: no such term */
     double *alike, *keep;                /* of cells_find_keep, for the fluxes of heat; NULL where no r is not 0 */
     double *face[3];                     /* lambda, shear, heat times the area */
     double *inverse;                     /* 1/(n.e) */

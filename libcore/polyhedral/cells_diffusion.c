@@ -10,7 +10,6 @@
 #include "libcore/polyhedral/cells_diffuser.h"
 
 static const double STEEP = 0.2;    /* n.e counts as no less than this fraction of |e| */
-static const double MOST_RISE = 4;  /* most factor of T's extrapolation, which means nothing at a passing front */
 static const double CLOSEST = 0.05; /* least distance of a centre to the face, over that of both centres */
 
 static int lines_of(const struct gas *g, enum diffusing what) {
@@ -70,7 +69,6 @@ status cells_diffuser_make(struct gas *g) {
     TRY(lines_allocate(d->gradient, g->dim * g->components, size));
     TRY(lines_allocate(d->cell, 3, size));
     TRY(lines_allocate(&d->T, 1, size));
-    TRY(lines_allocate(&d->warm, 1, size));
     TRY(lines_allocate(&d->wall.drag, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.heat, 1, m->mirror.n));
     TRY(lines_allocate(&d->wall.lift, 1, m->mirror.n));
@@ -81,7 +79,6 @@ status cells_diffuser_make(struct gas *g) {
         d->lifts |= wall_slides(r) || (g->diffusion.terms.cross && wall_conducts(r));
     }
     if (g->diffusion.terms.cross) TRY(cells_cross_make(g, d));
-    if (g->diffusion.terms.dilation) TRY(lines_allocate(&d->dilation, 1, size));
     TRY(lines_allocate(d->face, 3, faces));
     TRY(lines_allocate(d->rest, g->dim, faces));
     TRY(lines_allocate(&d->inverse, 1, faces));
@@ -102,7 +99,6 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->face, 3);
     lines_drop(d->rest, MAX_DIM);
     free(d->T);
-    free(d->warm);
     free(d->wall.drag);
     free(d->wall.heat);
     free(d->wall.lift);
@@ -111,7 +107,6 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     free(d->wall.fed);
     free(d->wall.denser);
     free(d->cross);
-    free(d->dilation);
     free(d->alike);
     free(d->keep);
     free(d->inverse);
@@ -124,11 +119,14 @@ void cells_diffuser_free(struct cells_diffuser *d) {
  */
 
 static void fill_state(struct gas *g, const struct state *s, double *U[MAX_VAR]) {
-    struct polyhedra *m = g->cells->polyhedra;
     cells_lines(g, s, U);
-    polyhedra_fill_start(m, g->nvar, U);
-    polyhedra_fill_finish(m);
-    cells_mirrors(g, 0, m->mirror.n, U);
+    g->engine->state.fill(g, g->nvar, s->block);
+    cells_mirrors(g, 0, g->cells->polyhedra->mirror.n, U);
+}
+
+void cells_diffusion_ghosts(struct gas *g, const struct state *s) {
+    double *U[MAX_VAR];
+    fill_state(g, s, U);
 }
 
 static void cell_coefficients(struct gas *g, const double *rho) {
@@ -139,26 +137,15 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         double *T = d->T + at;
         temperature_row(g, n, rho + at, T);
         for (int i = 0; i < n; i++) T[i] = larger(T[i], COLDEST);
-        for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= d->warm[at + i];
-        for (int i = 0; i < n && !g->diffusion.ahead; i++) d->warm[at + i] = T[i];
+        for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= g->diffusion.warm[0][at + i];
+        for (int i = 0; i < n && !g->diffusion.ahead; i++) g->diffusion.warm[0][at + i] = T[i];
         const struct gas_models *models = &g->models;
         const struct closure_line cells = {
             models->eos, &models->material, n, rho + at, T, shear_rate_at(g, models->transport->needs, 0, at)};
         models->transport->coefficients(&models->transport_params, &cells, d->cell[0] + at, d->cell[1] + at,
                                         d->cell[2] + at);
-        if (d->dilation) models->transport->dilation(&models->transport_params, &cells, d->dilation + at);
-    }
-}
-
-void cells_diffusion_ahead(struct gas *g, const struct state *to) {
-    struct cells_diffuser *d = g->cells->diffuser;
-    const int size = g->cells->polyhedra->size;
-    double *U[MAX_VAR], T[BATCH];
-    fill_state(g, to, U);
-    for (int at = 0; at < size; at += BATCH) {
-        const int n = size - at < BATCH ? size - at : BATCH;
-        temperature_row(g, n, U[0] + at, T);
-        for (int i = 0; i < n; i++) d->warm[at + i] = smaller(larger(T[i] / d->warm[at + i], 1 / MOST_RISE), MOST_RISE);
+        if (g->diffusion.dilation)
+            models->transport->dilation(&models->transport_params, &cells, g->diffusion.dilation[0] + at);
     }
 }
 

@@ -103,26 +103,19 @@ static double swept_beyond(const struct gas *g, double *const U[MAX_VAR], int ce
     return (left ? 1 : -1) * f->area[face] * sum;
 }
 
-void cells_diffusion_dilate(struct gas *g, const struct state *from, const struct state *to, double dt) {
-    const struct cells *c = g->cells;
-    struct polyhedra *m = c->polyhedra;
-    double *U[2][MAX_VAR], spread[BATCH];
-    for (int i = 0; i < 2; i++) {
-        cells_lines(g, i ? to : from, U[i]);
-        polyhedra_fill_start(m, g->nvar, U[i]);
-        polyhedra_fill_finish(m);
-        cells_mirrors(g, 0, m->mirror.n, U[i]);
-    }
-    for (int at = 0; at < m->nown; at += BATCH) {
-        const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
-        for (int i = 0; i < n; i++) {
-            double sum = 0;
-            for (int j = m->face_start[at + i]; j < m->face_start[at + i + 1]; j++) {
-                const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
-                sum += swept_beyond(g, U[0], at + i, face) + swept_beyond(g, U[1], at + i, face);
-            }
-            spread[i] = 0.5 * c->inverse_volume[at + i] * sum;
+void cells_diffusion_spread(const struct gas *g, const struct state *from, const struct state *to,
+                            const struct row *row, double *spread) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *U[2][MAX_VAR];
+    cells_lines(g, from, U[0]);
+    cells_lines(g, to, U[1]);
+    for (int i = 0; i < row->n; i++) {
+        const int cell = (int)row->at + i;
+        double sum = 0;
+        for (int j = m->face_start[cell]; j < m->face_start[cell + 1]; j++) {
+            const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+            sum += swept_beyond(g, U[0], cell, face) + swept_beyond(g, U[1], cell, face);
         }
-        dilate_row(g, n, dt, c->diffuser->dilation + at, spread, U[0][0] + at, U[1][g->components + 1] + at);
+        spread[i] = 0.5 * g->cells->inverse_volume[cell] * sum;
     }
 }
