@@ -190,14 +190,19 @@ static void find_density(const struct patch_rules *r, int n, const int *face, do
     r->density.type->ghost(&r->density, &line);
 }
 
-void feed_fluxes(const struct gas *g, const struct patch_rules *r, int n, const int *face, const double *into,
-                 double (*inner)[BATCH], double (*ghost)[BATCH], double (*flux)[BATCH]) {
-    const int last = g->components + 1;
-    double enthalpy[BATCH], rho[BATCH], mass[BATCH];
+void feed_fluxes(const struct gas *g, const struct patch_rules *r, const struct fed_faces *f) {
+    const int last = g->components + 1, n = f->n;
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH] = {{0}}, enthalpy[BATCH], rho[BATCH], mass[BATCH];
+    double(*flux)[BATCH] = f->flux;
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < n; i++) {
+            inner[v][i] = f->U[v * g->size + f->in[i]];
+            ghost[v][i] = f->U[v * g->size + f->beyond[i]];
+        }
     find_enthalpy(g, n, ghost, enthalpy);
-    find_density(r, n, face, inner[0], rho);
+    find_density(r, n, f->face, inner[0], rho);
     memcpy(mass, flux[0], (size_t)n * sizeof *mass);
-    patch_feed_mass(r, g->components, n, face, into, rho, mass);
+    patch_feed_mass(r, g->components, n, f->face, f->into, rho, mass);
     for (int i = 0; i < n; i++) {
         const double more = mass[i] - flux[0][i];
         const double part = more / (more > 0 ? ghost[0][i] : inner[0][i]);

@@ -19,12 +19,18 @@ struct patch_line {        /* n ghosts along a patch */
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
                   double (*ghost)[BATCH]);
 
-/* Gives the fluxes into the domain, [nvar][n], through faces face[n] of a patch that feeds (patch_feeds) the mass that
- * it gives: what is missing comes with velocity and enthalpy of the gas beyond, and what is too much goes back as gas
- * of the cell, so that either keeps an admissible cell admissible. The pressure on the faces stays the flux's own.
- * into[n]: what patch_feed gives along the normals into the domain; inner, ghost: conserved variables [nvar][n]. */
-void feed_fluxes(const struct gas *g, const struct patch_rules *r, int n, const int *face, const double *into,
-                 double (*inner)[BATCH], double (*ghost)[BATCH], double (*flux)[BATCH]);
+struct fed_faces { /* n <= BATCH faces of a patch that feeds */
+    int n;
+    const int *face;    /* [n] faces within the patch */
+    const double *into; /* [n] what patch_feed gives along the normals into the domain */
+    const double *U;    /* conserved variables, g->size apart, with the cells inside and beyond at in[n], beyond[n] */
+    long in[BATCH], beyond[BATCH];
+    double (*flux)[BATCH]; /* [nvar][n] into the domain */
+};
+/* Gives the fluxes through faces of a patch that feeds (patch_feeds) the mass that it gives: what is missing comes with
+ * velocity and enthalpy of the gas beyond, and what is too much goes back as gas of the cell, so that either keeps an
+ * admissible cell admissible. The pressure on the faces stays the flux's own. */
+void feed_fluxes(const struct gas *g, const struct patch_rules *r, const struct fed_faces *f);
 
 struct sum_line {              /* n <= BATCH cells along a patch, and S (diffusion.h) of one variable beyond them */
     int n, components, normal; /* normal: component along the normal, -1 for a scalar */

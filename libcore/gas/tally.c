@@ -14,9 +14,8 @@ static void free_lines(double *const line[MAX_VAR]) {
 }
 
 static status make(struct gas *g, struct tally *t) {
-    bool stages = false;
-    TRY(g->engine->tally.make(g, t, &stages));
-    if (stages) TRY(make_lines(t->stage, g->nvar, t->faces));
+    TRY(g->engine->tally.make(g, t));
+    if (!t->borrowed) TRY(make_lines(t->stage, g->nvar, t->faces));
     TRY(make_lines(t->flow, g->nvar, t->faces));
     TRY(make_lines(t->last[0], g->nvar, t->faces));
     if (!g->models.transport) return OK;
@@ -42,7 +41,7 @@ status gas_tally(struct gas *g) {
 void tally_free(struct tally *t) {
     if (!t) return;
     double *const *const all[] = {t->stage, t->flow, t->passed, t->mark, t->last[0], t->last[1]};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free_lines(all[i]);
+    for (size_t i = t->borrowed; i < sizeof all / sizeof *all; i++) free_lines(all[i]);
     free(t->first);
     free(t->warm);
     free(t);
@@ -61,8 +60,15 @@ void tally_begin(struct gas *g) {
     }
 }
 
+void tally_add(const struct tally *t, double weight, const double *flux, double *to) {
+    for (int i = 0; i < t->faces; i++) to[i] += weight * flux[i];
+}
+
 void tally_stage(struct gas *g, double weight) {
-    if (g->tally) g->engine->tally.stage(g, weight);
+    const struct tally *t = g->tally;
+    if (!t) return;
+    for (int v = 0; v < g->nvar; v++) tally_add(t, weight, t->stage[v], t->flow[v]);
+    if (g->engine->tally.still) g->engine->tally.still(g, weight);
 }
 
 void tally_bed(struct gas *g, double dt) {

@@ -16,7 +16,8 @@
 struct tally {
     int faces;                /* on this rank */
     int *first;               /* belongs to the engine: where its parts begin in the lines, or NULL */
-    double *stage[MAX_VAR];   /* [nvar][faces] fluxes of the stage in hand; NULL: the engine keeps them itself */
+    double *stage[MAX_VAR];   /* [nvar][faces] fluxes of the stage in hand */
+    bool borrowed;            /* do the lines of `stage` belong to the engine? */
     double *flow[MAX_VAR];    /* [nvar][faces] by the stages and the bed: mass, momentum, energy */
     double *passed[MAX_VAR];  /* [nvar][faces] by diffusion: momentum, work of the stress, heat */
     double *mark[MAX_VAR];    /* `passed` at the last note */
@@ -26,10 +27,10 @@ struct tally {
 };
 
 struct tally_hooks {
-    /* Sets *faces and, if it needs them, t->first and *stages: does the engine want t->stage? */
-    status (*make)(const struct gas *g, struct tally *t, bool *stages);
-    /* Adds weight times the fluxes of the last stage to `flow`. */
-    void (*stage)(struct gas *g, double weight);
+    /* Sets t->faces and, if it has them, t->first and t->stage. */
+    status (*make)(const struct gas *g, struct tally *t);
+    /* Takes from `flow` weight times what the fluxes of the last stage have of gas at rest; NULL: nothing. */
+    void (*still)(struct gas *g, double weight);
     /* Sets `flow` through the faces of cells of the bed, whose stages are given up, to what the bed exchanged over dt.
      */
     void (*bed)(struct gas *g, double dt);
@@ -50,6 +51,8 @@ void tally_mark(struct gas *g, bool back);
 void tally_mark_heat(struct gas *g, bool back);
 void tally_keep(struct gas *g, double dt); /* the attempt stands */
 void tally_free(struct tally *t);
+/* Adds weight times a line of fluxes to a line. */
+void tally_add(const struct tally *t, double weight, const double *flux, double *to);
 /* Fills a face's numbers from place i of the lines: rates of the last step, times `scale`. */
 void tally_face(const struct gas *g, int i, double scale, struct gas_face *out);
 

@@ -330,5 +330,4 @@ const struct engine engine_lattice = {
             .keep = tiles_bed_keep,
             .unfold = tiles_bed_unfold,
             .spread = tiles_bed_spread},
-    .tally = {
-        .make = tiles_tally_make, .stage = tiles_tally_stage, .bed = tiles_tally_bed, .visit = tiles_tally_visit}};
+    .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit}};

@@ -207,6 +207,18 @@ const double *fronts_floor(const struct gas *g, const struct strip *s);
 void voids_row(const struct gas *g, const double *U, int j, int k);
 bool voids_find(const struct gas *g, const double *U, const struct strip *s, double *flat);
 
+struct edge { /* n <= BATCH cells along a side: offsets of the first cell and of its ghost; `step` from cell to cell */
+    const struct patch_rules *rules;
+    const int *face; /* [n] within the patch */
+    int normal, n;
+    long from, to, step;
+};
+/* Finds the faces of a strip on a patch below it or above it, whose first one is face *first of the strip. Returns
+ * false if there are none. */
+bool edge_of_strip(const struct gas *g, const struct strip *s, bool high, struct edge *e, int *first);
+/* The face of the cell at `offset` among those at a side of a tile. */
+int face_at_side(const struct forest *f, int tile, int side, long offset);
+
 /* Does a side of a tile lie on a patch that gives the mass that flows in? */
 bool tiles_fed(const struct gas *g, int tile, int side);
 /* Gives the fluxes `out`, in program order, through such faces of a strip that mass (libcore/gas/patch.h). */
@@ -254,8 +266,7 @@ struct span tiles_moving_span(const struct gas *g, int tile, long row, int n);
 void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
 
 /* Fluxes through patches (libcore/lattice/tiles_tally.c). */
-status tiles_tally_make(const struct gas *g, struct tally *t, bool *stages);
-void tiles_tally_stage(struct gas *g, double weight);
+status tiles_tally_make(const struct gas *g, struct tally *t);
 void tiles_tally_bed(struct gas *g, double dt);
 void tiles_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context);
 /* The place in the lines of the face at a side of a tile, which is a patch, that the cell at `offset` has. */

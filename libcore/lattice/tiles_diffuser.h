@@ -37,13 +37,6 @@ ALWAYS_INLINE double half_derivative(const double *q, long step, double quarter)
     return (q[step] - q[-step]) * quarter;
 }
 
-struct edge { /* n <= BATCH cells along a side: offsets of the first cell and of its ghost; `step` from cell to cell */
-    const struct patch_rules *rules;
-    const int *face; /* [n] within the patch */
-    int normal, n;
-    long from, to, step;
-};
-
 typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);
 /* Visits the first layer of ghosts of all sides of a tile that are patches. */
 void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context);

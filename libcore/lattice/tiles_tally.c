@@ -4,9 +4,8 @@
  * their neighbours are the background, has the background's own flux. */
 #include "libcore/lattice/tiles_diffuser.h"
 
-status tiles_tally_make(const struct gas *g, struct tally *t, bool *stages) {
+status tiles_tally_make(const struct gas *g, struct tally *t) {
     const struct forest *f = g->forest;
-    *stages = true;
     TRY(allocate(&t->first, 6L * f->ntiles, sizeof *t->first, "the fluxes through patches"));
     for (int i = 0; i < 6 * f->ntiles; i++) {
         const struct tile *tile = &f->tile[i / 6];
@@ -20,14 +19,13 @@ status tiles_tally_make(const struct gas *g, struct tally *t, bool *stages) {
 }
 
 int tiles_tally_place(const struct gas *g, int tile, int side, long offset) {
-    const struct forest *f = g->forest;
-    const int across = side < 2 ? 1 : 0, deep = side < 4 ? 2 : 1;
-    long rest = offset - f->first, at[3] = {0, 0, 0};
-    for (int k = f->dim - 1; k >= 0; k--) {
-        at[k] = rest / f->stride[k];
-        rest -= at[k] * f->stride[k];
-    }
-    return g->tally->first[6 * tile + side] + (int)(at[deep] * f->tile[tile].n[across] + at[across]);
+    return g->tally->first[6 * tile + side] + face_at_side(g->forest, tile, side, offset);
+}
+
+/* The place in the lines of the first face of an edge. */
+static int place_of(const struct gas *g, int tile, const struct edge *e) {
+    const int side = 2 * e->normal + (e->to > e->from);
+    return g->tally->first[6 * tile + side] + (int)(e->face - g->forest->tile[tile].side[side].face);
 }
 
 void tiles_tally_begin(struct gas *g, int tile, const double *U) {
@@ -47,24 +45,14 @@ void tiles_tally_begin(struct gas *g, int tile, const double *U) {
 }
 
 void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int column) {
-    for (int high = 0; high < 2; high++) {
-        const int side = 2 * s->axis + high;
-        const int place = (high ? g->forest->tile[s->tile].n[s->axis] - 1 : -1) - s->from; /* of the left cells */
-        if (g->tally->first[6 * s->tile + side] < 0 || (s->axis == 0 ? place < 0 || place >= s->n : place != 0))
-            continue;
-        const int n = s->axis == 0 ? 1 : s->n, from = column + (s->axis == 0 ? place : 0);
-        const long left = s->offset + (s->axis == 0 ? place : 0),
-                   inner = high ? left : left + g->forest->stride[s->axis];
-        const int to = tiles_tally_place(g, s->tile, side, inner);
+    struct edge e;
+    for (int high = 0, first; high < 2; high++) {
+        if (!edge_of_strip(g, s, high, &e, &first)) continue;
+        double *const *to = g->tally->stage;
+        const int place = place_of(g, s->tile, &e), from = column + first;
         for (int v = 0; v < g->nvar; v++)
-            for (int i = 0; i < n; i++) g->tally->stage[v][to + i] = high ? out[v][from + i] : -out[v][from + i];
+            for (int i = 0; i < e.n; i++) to[v][place + i] = high ? out[v][from + i] : -out[v][from + i];
     }
-}
-
-void tiles_tally_stage(struct gas *g, double weight) {
-    const struct tally *t = g->tally;
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < t->faces; i++) t->flow[v][i] += weight * t->stage[v][i];
 }
 
 void tiles_tally_stress(struct gas *g, int tile, int side, long inner, int n, double per, const double *lines,
@@ -78,15 +66,14 @@ void tiles_tally_stress(struct gas *g, int tile, int side, long inner, int n, do
 }
 
 void tiles_tally_friction(struct gas *g, int tile, const struct edge *e, int i, double gain) {
-    const int side = 2 * e->normal + (e->to > e->from), to = tiles_tally_place(g, tile, side, e->from + i * e->step);
-    g->tally->passed[g->nvar - 2][to] -= g->forest->width[e->normal] * gain;
+    g->tally->passed[g->nvar - 2][place_of(g, tile, e) + i] -= g->forest->width[e->normal] * gain;
 }
 
 /* Adds what a line at the faces below cells, times `per`, brings to the cells beside patches. */
 static void add_heat(struct gas *g, int tile, const struct edge *e, double per, const double *gain) {
     const bool high = e->to > e->from;
     const double h = g->forest->width[e->normal];
-    const int to = tiles_tally_place(g, tile, 2 * e->normal + high, e->from);
+    const int to = place_of(g, tile, e);
     for (int i = 0; i < e->n; i++) g->tally->passed[g->nvar - 1][to + i] += (high ? -per * h : per * h) * gain[i];
 }
 

@@ -188,8 +188,8 @@ void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
 
 /* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks of libcore/gas/tally.h; and what diffusion
  * passes on, by the fluxes in hand. */
-status cells_tally_make(const struct gas *g, struct tally *t, bool *stages);
-void cells_tally_stage(struct gas *g, double weight);
+status cells_tally_make(const struct gas *g, struct tally *t);
+void cells_tally_still(struct gas *g, double weight);
 void cells_tally_bed(struct gas *g, double dt);
 void cells_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context);
 void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt);

@@ -286,24 +286,23 @@ static void limit_batch(struct gas *g, const double *const *U, struct points *p)
 
 /* Gives the fluxes through faces first <= i < last of a patch the mass that it gives (libcore/gas/patch.h). */
 static void feed(struct gas *g, int first, int last, const double *const *U) {
-    const struct cells *c = g->cells;
-    const struct polyhedra *m = c->polyhedra;
+    const struct polyhedra *m = g->cells->polyhedra;
     const struct polyhedra_faces *f = &m->face;
+    const int *place = f->place + first - f->ninternal;
     const struct patch_rules *r = &g->patches.rules[f->patch[first - f->ninternal]];
-    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], flux[MAX_VAR][BATCH], into[BATCH];
-    for (int i = 0; i < last - first; i++) {
-        const int face = first + i, at = face - f->ninternal;
+    double flux[MAX_VAR][BATCH], into[BATCH];
+    struct fed_faces fed = {.n = last - first, .face = place, .into = into, .U = U[0], .flux = flux};
+    for (int i = 0; i < fed.n; i++) {
+        const int face = first + i;
         into[i] = 0;
-        for (int k = 0; k < g->dim; k++) into[i] -= f->normal[k][face] * patch_feed(r, g->components, f->place[at], k);
-        for (int v = 0; v < g->nvar; v++) {
-            inner[v][i] = U[v][f->left[face]];
-            ghost[v][i] = U[v][m->ncells + at];
-            flux[v][i] = -c->flux[v][face] / f->area[face];
-        }
+        for (int k = 0; k < g->dim; k++) into[i] -= f->normal[k][face] * patch_feed(r, g->components, place[i], k);
+        fed.in[i] = f->left[face];
+        fed.beyond[i] = f->right[face];
+        for (int v = 0; v < g->nvar; v++) flux[v][i] = -g->cells->flux[v][face] / f->area[face];
     }
-    feed_fluxes(g, r, last - first, f->place + first - f->ninternal, into, inner, ghost, flux);
+    feed_fluxes(g, r, &fed);
     for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < last - first; i++) c->flux[v][first + i] = -flux[v][i] * f->area[first + i];
+        for (int i = 0; i < fed.n; i++) g->cells->flux[v][first + i] = -flux[v][i] * f->area[first + i];
 }
 
 /* Limits the fluxes through faces first <= i < last, all of one patch or all internal, of flagged cells. */

@@ -3,30 +3,20 @@
  * hold fluxes through whole faces. */
 #include "libcore/polyhedral/cells_diffuser.h"
 
-status cells_tally_make(const struct gas *g, struct tally *t, bool *stages) {
+status cells_tally_make(const struct gas *g, struct tally *t) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    *stages = false;
     t->faces = f->n - f->ninternal;
+    t->borrowed = true;
+    for (int v = 0; v < g->nvar; v++) t->stage[v] = g->cells->flux[v] + f->ninternal;
     return OK;
 }
 
-static void add_line(const struct gas *g, double weight, const double *flux, double *to) {
-    const double *through = flux + g->cells->polyhedra->face.ninternal;
-    for (int i = 0; i < g->tally->faces; i++) to[i] += weight * through[i];
-}
-
-/* On walls that carry gas at rest. */
-static void add_rest(const struct gas *g, double weight) {
+void cells_tally_still(struct gas *g, double weight) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    for (int face = f->ninternal; face < f->n; face++) {
+    for (int face = f->ninternal; face < f->n && g->cells->rest; face++) {
         const double missed = weight * cells_rest_of_wall(g, face) * f->area[face];
         for (int k = 0; k < g->dim; k++) g->tally->flow[k + 1][face - f->ninternal] -= missed * f->normal[k][face];
     }
-}
-
-void cells_tally_stage(struct gas *g, double weight) {
-    for (int v = 0; v < g->nvar; v++) add_line(g, weight, g->cells->flux[v], g->tally->flow[v]);
-    if (g->cells->rest) add_rest(g, weight);
 }
 
 void cells_tally_bed(struct gas *g, double dt) {
@@ -41,17 +31,15 @@ void cells_tally_bed(struct gas *g, double dt) {
 }
 
 void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt) {
-    double *const *flux = g->cells->flux, *const *to = g->tally->passed;
-    if (what == HEAT) {
-        add_line(g, 1, flux[0], to[g->nvar - 1]);
-        return;
-    }
-    for (int v = 0; v < g->components; v++) add_line(g, 1, flux[v], to[v]);
-    add_line(g, 1 / dt, flux[g->components], to[g->components]);
+    const struct tally *t = g->tally;
+    for (int v = 0; v <= g->components && what == VISCOUS; v++)
+        tally_add(t, v < g->components ? 1 : 1 / dt, t->stage[v], t->passed[v]);
+    if (what == HEAT) tally_add(t, 1, t->stage[0], t->passed[g->nvar - 1]);
 }
 
 void cells_tally_cross(struct gas *g, double dt) {
-    add_line(g, dt, g->cells->diffuser->cross, g->tally->passed[g->nvar - 1]);
+    const double *cross = g->cells->diffuser->cross + g->cells->polyhedra->face.ninternal;
+    tally_add(g->tally, dt, cross, g->tally->passed[g->nvar - 1]);
 }
 
 static void visit_face(const struct gas *g, int face, gas_face_visitor *visit, void *context) {
