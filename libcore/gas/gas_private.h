@@ -336,6 +336,18 @@ void drop_begin(const struct gas *g);
 void freeze_row(const struct gas *g, int n, const struct advance *s, const double *part);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
+/* Computes q_0 of a row (diffusion_hooks.begin), of which components of u, or T alone, go to lines q. */
+void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double rest,
+               double *const *q);
+struct moved { /* what the flux of the last S of diffusion brings to n <= BATCH cells of a block */
+    enum diffusing what;
+    struct row row;
+    const double *from, *E; /* the block of Y0; the line of energy that the work is added to */
+    double *to, dt;
+    double (*M)[BATCH]; /* gains: momentum, then dt times the work; or heat */
+};
+/* Moves these cells; marks those that are not admissible then, and returns their number. */
+int move_row(struct gas *g, const struct moved *m);
 /* Takes from the energy E of n <= BATCH states of a block what the law's term of dilation takes over dt where div u is
  * spread[n], less than the internal energy of U, which points to the first state's density; dilation: [n]
  * coefficients. */

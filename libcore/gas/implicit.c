@@ -53,7 +53,7 @@ struct moving {
     bool to_sums;
 };
 
-static void move_row(void *moving, const struct row *row) {
+static void copy_row(void *moving, const struct row *row) {
     struct moving *m = moving;
     for (int c = 0; c < m->lines; c++) {
         double *S = m->g->engine->implicit.sum(m->g, row->block, c) + row->at;
@@ -65,7 +65,7 @@ static void move_row(void *moving, const struct row *row) {
 
 /* Copies x [cells][unknowns] to the last S, or from it. */
 static void move(struct gas *g, enum diffusing what, double *x, bool to_sums) {
-    g->engine->state.rows(g, EVERY_CELL, NULL, move_row, &(struct moving){g, unknowns_of(g, what), x, to_sums});
+    g->engine->state.rows(g, EVERY_CELL, NULL, copy_row, &(struct moving){g, unknowns_of(g, what), x, to_sums});
 }
 
 /* Computes y = gamma dt L x/rho, of x alone or with the values given at the edges. S is gamma dt x, so that the

@@ -217,6 +217,38 @@ int row_limited(const struct gas *g, int n, const double *from, const double *to
     return out || crowded ? raise_marks(n, bad, flags) : 0;
 }
 
+void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double rest,
+               double *const *q) {
+    const double *friction = g->diffusion.friction[row->block] + row->at, *cooled = g->diffusion.cooled[row->block] + row->at;
+    double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    velocity_row(row->n, g->components, g->size, Y0->block[row->block] + row->at, what == VISCOUS ? q : u, eps);
+    for (int i = 0; i < row->n && what == HEAT; i++)
+        q[0][i] = temperature_of(&g->models.material, eps[i]) - rest * friction[i] - (g->diffusion.late ? cooled[i] : 0);
+}
+
+KERNEL static void moved_line(int n, double factor, const double *restrict from, const double *restrict M,
+                              double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = from[i] + factor * M[i];
+}
+
+int move_row(struct gas *g, const struct moved *m) {
+    const int n = m->row.n, energy = g->components + 1;
+    double moved[BATCH];
+    for (int v = 0; v < g->nvar; v++) {
+        const bool line = m->what == VISCOUS && v > 0 && v < energy, changes = line || v == energy;
+        const double *from = (v == energy ? m->E : m->from + v * g->size) + m->row.at;
+        if (changes) {
+            const double factor = v == energy && m->what == VISCOUS ? 1 / m->dt : 1;
+            moved_line(n, factor, from, m->M[line ? v - 1 : m->what == VISCOUS ? g->components : 0], moved);
+        }
+        if (changes || m->to != m->from)
+            memcpy(m->to + v * g->size + m->row.at, changes ? moved : from, (size_t)n * sizeof(double));
+    }
+    const int bad = row_inadmissible(g, m->to, m->row.at, n, g->flags.mark[m->row.block]);
+    g->flags.marked |= bad > 0;
+    return bad;
+}
+
 void temperature_row(const struct gas *g, int n, const double *U, double *T) {
     double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     velocity_row(n, g->components, g->size, U, u, T);

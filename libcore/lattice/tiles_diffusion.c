@@ -24,28 +24,8 @@ struct sweep { /* one stage of a tile, or its end */
     long bad;
 };
 
-KERNEL static void moved_row(int n, double factor, const double *restrict from, const double *restrict M,
-                             double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = from[i] + factor * M[i];
-}
-
-/* to = Y_0 + div of the flux of S; the work of the stress of S on S/dt makes the energy. */
 static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
-    struct gas *g = s->g;
-    const long size = g->forest->size;
-    const int lines = lines_of(g, s->what), energy = g->components + 1;
-    double moved[BATCH];
-    for (int v = 0; v < g->nvar; v++) {
-        const bool line = s->what == VISCOUS && v > 0 && v < energy, changes = line || v == energy;
-        const double *from = v == energy ? s->E + at : s->Y0 + v * size + at;
-        if (changes) {
-            const double factor = v == energy && s->what == VISCOUS ? 1 / s->dt : 1;
-            moved_row(n, factor, from, M[line ? v - 1 : s->what == VISCOUS ? lines : 0], moved);
-        }
-        if (changes || s->to != s->Y0)
-            memcpy(s->to + v * size + at, changes ? moved : from, (size_t)n * sizeof(double));
-    }
-    s->bad += row_inadmissible(g, s->to, at, n, g->flags.mark[s->tile]);
+    s->bad += move_row(s->g, &(struct moved){s->what, {s->tile, at, n}, s->Y0, s->E, s->to, s->dt, M});
 }
 
 /* S of the next stage, which takes the place of the sum before the last. c: factors of the last S, of the S before, of
@@ -339,7 +319,6 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
         sweep_tile(&s);
         bad += s.bad;
     }
-    g->flags.marked |= bad > 0;
     return bad;
 }
 

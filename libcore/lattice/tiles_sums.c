@@ -17,22 +17,17 @@ static void put_edge(long size, const struct edge *e, int components, double (*i
 struct beginning { /* what begin_visit needs */
     const struct gas *g;
     enum diffusing what;
-    const double *U;
-    double *start, rest;
-    const double *friction, *cooled; /* 0 in ghosts */
+    const struct state *Y0;
+    int tile;
+    double rest;
 };
 
-/* q_0 of a run of cells: velocity, or T without the friction that is yet to be conducted */
 static void begin_visit(void *context, long offset, int n) {
     const struct beginning *b = context;
-    const struct gas *g = b->g;
-    const long size = g->forest->size;
-    velocities_of_row(g, b->U, offset, n);
-    for (int v = 0; b->what == VISCOUS && v < g->components; v++)
-        memcpy(b->start + v * size + offset, g->tiles->work.velocity[v] + offset, (size_t)n * sizeof(double));
-    for (int i = 0; b->what == HEAT && i < n; i++)
-        b->start[offset + i] = temperature_of(&g->models.material, g->tiles->work.eps[offset + i]) -
-                               b->rest * b->friction[offset + i] - (g->diffusion.late ? b->cooled[offset + i] : 0);
+    double *q[MAX_DIM] = {NULL};
+    for (int v = 0; v < lines_of(b->g, b->what); v++)
+        q[v] = b->g->tiles->diffuser->start[b->tile] + v * b->g->size + offset;
+    start_row(b->g, b->what, b->Y0, &(struct row){b->tile, offset, n}, b->rest, q);
 }
 
 KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
@@ -55,8 +50,7 @@ void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
     const struct forest *f = g->forest;
     struct diffuser *d = g->tiles->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
-        struct beginning b = {
-            g, what, Y0->block[t], d->start[t], rest, g->diffusion.friction[t], g->diffusion.cooled[t]};
+        struct beginning b = {g, what, Y0, t, rest};
         const bool beyond = beyond_counts(g, &f->tile[t]);
         if (beyond) ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], beyond, begin_visit, &b);

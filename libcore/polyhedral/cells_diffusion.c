@@ -221,20 +221,14 @@ void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int size = g->cells->polyhedra->size;
-    double *U[MAX_VAR], velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
-    fill_state(g, Y0, U);
+    cells_diffusion_ghosts(g, Y0);
     for (int at = 0; at < size; at += BATCH) {
         const int n = size - at < BATCH ? size - at : BATCH;
-        velocity_row(n, g->components, size, U[0] + at, u, eps);
-        for (int v = 0; v < lines_of(g, what); v++) {
-            double *q = d->start[v] + at, *S = d->sum[d->last][v] + at;
-            for (int i = 0; i < n; i++)
-                q[i] = what == VISCOUS
-                           ? velocity[v][i]
-                           : temperature_of(&g->models.material, eps[i]) - rest * g->diffusion.friction[0][at + i] -
-                                 (g->diffusion.late ? g->diffusion.cooled[0][at + i] : 0);
-            for (int i = 0; i < n; i++) S[i] = factor * q[i];
-        }
+        double *q[MAX_DIM] = {NULL};
+        for (int v = 0; v < lines_of(g, what); v++) q[v] = d->start[v] + at;
+        start_row(g, what, Y0, &(struct row){0, at, n}, rest, q);
+        for (int v = 0; v < lines_of(g, what); v++)
+            for (int i = 0; i < n; i++) d->sum[d->last][v][at + i] = factor * q[v][i];
     }
 }
 
@@ -438,40 +432,23 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
     d->last = 1 - d->last;
 }
 
-/* to = Y_0 + div of the flux of S in the cells from `at` on; the work of the stress of S on S/dt makes the energy. */
-static void end_batch(struct gas *g, enum diffusing what, double *const *from, double *const *to, double dt, int at,
-                      int n) {
-    const int energy = g->components + 1;
-    double M[BATCH];
-    for (int v = 0; v < g->nvar; v++) {
-        const bool line = what == VISCOUS && v > 0 && v < energy;
-        if (!line && v != energy) {
-            if (to[v] != from[v]) memcpy(to[v] + at, from[v] + at, (size_t)n * sizeof(double));
-            continue;
-        }
-        const double factor = v == energy && what == VISCOUS ? 1 / dt : 1;
-        cells_residuals(g->cells, at, n, g->cells->flux[line ? v - 1 : what == VISCOUS ? g->components : 0], M);
-        for (int i = 0; i < n; i++) to[v][at + i] = from[v][at + i] + factor * M[i];
-    }
-}
-
 long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                          double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     const struct polyhedra *m = g->cells->polyhedra;
-    double *in[MAX_VAR], *out[MAX_VAR];
+    const double *from = Y0->block[0];
+    double M[MAX_DIM + 1][BATCH];
     long count = 0;
-    cells_lines(g, Y0, in);
-    cells_lines(g, to, out);
     flow(g, what, weight);
     if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.stays, d->sum[d->last]);
     if (g->tally) cells_tally_diffusion(g, what, dt);
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
-        end_batch(g, what, in, out, dt, at, n);
-        count += row_inadmissible(g, to->block[0], at, n, g->flags.mark[0]);
+        for (int v = 0; v <= (what == VISCOUS ? g->components : 0); v++)
+            cells_residuals(g->cells, at, n, g->cells->flux[v], M[v]);
+        const double *E = from + (g->components + 1) * g->size;
+        count += move_row(g, &(struct moved){what, {0, at, n}, from, E, to->block[0], dt, M});
     }
-    g->flags.marked |= count > 0;
     return count;
 }
 
