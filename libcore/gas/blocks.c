@@ -8,21 +8,27 @@
 struct batch { /* n <= BATCH cells of a block of the grid, from its cell `from` on */
     int block; /* of the state */
     int from, n;
-    long at[BATCH]; /* places in the lines of the state's block */
+    const int *at; /* [n] places in the lines of the state's block; NULL: from `first` on, `step` apart */
+    long first, step;
 };
+static inline long place_of(const struct batch *b, int i) {
+    return b->at ? b->at[i] : b->first + i * b->step;
+}
 typedef void batch_visitor(void *context, const struct batch *batch);
 
 /* Visits the cells of a block of the grid in its order; those of s (NULL: of no state) are written out first. */
 static void visit_block(const struct gas *g, int block, const struct state *s, batch_visitor *visit, void *context) {
     struct block_cells c;
     g->engine->state.cells(g, block, s, &c);
-    struct batch b = {.block = c.block};
+    struct batch b = {.block = c.block, .step = c.step[0]};
     for (int k = 0; k < c.n[2]; k++)
         for (int j = 0; j < c.n[1]; j++)
             for (int i = 0; i < c.n[0]; i += b.n) {
-                const long first = c.first + i * c.step[0] + j * c.step[1] + k * c.step[2];
+                if (c.at)
+                    b.at = c.at + i;
+                else
+                    b.first = c.first + i * c.step[0] + j * c.step[1] + k * c.step[2];
                 b.n = c.n[0] - i < BATCH ? c.n[0] - i : BATCH;
-                for (int m = 0; m < b.n; m++) b.at[m] = c.at ? c.at[i + m] : first + m * c.step[0];
                 visit(context, &b);
                 b.from += b.n;
             }
@@ -69,7 +75,7 @@ static void put_batch(void *lines, const struct batch *b) {
     for (int v = 0; v < l->n; v++) {
         double *line = l->block[b->block] + (l->first + v) * l->size;
         for (int i = 0; i < b->n; i++)
-            line[b->at[i]] = l->in[v][l->cell ? l->cell[b->from + i] : l->next + b->from + i];
+            line[place_of(b, i)] = l->in[v][l->cell ? l->cell[b->from + i] : l->next + b->from + i];
     }
 }
 
@@ -77,7 +83,7 @@ static void take_batch(void *lines, const struct batch *b) {
     const struct lines *l = lines;
     for (int v = 0; v < l->n; v++) {
         const double *line = l->block[b->block] + (l->first + v) * l->size;
-        for (int i = 0; i < b->n; i++) l->out[v][b->from + i] = line[b->at[i]];
+        for (int i = 0; i < b->n; i++) l->out[v][b->from + i] = line[place_of(b, i)];
     }
 }
 
@@ -117,7 +123,7 @@ static void read_batch(void *reading, const struct batch *b) {
     double U[MAX_VAR][BATCH] = {{0}}, *out[3] = {NULL, NULL, NULL};
     for (int k = 0; k < (r->field == GAS_U ? g->components : 1); k++) out[k] = r->out[k] + b->from;
     for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < b->n; i++) U[v][i] = g->U.block[b->block][v * g->size + b->at[i]];
+        for (int i = 0; i < b->n; i++) U[v][i] = g->U.block[b->block][v * g->size + place_of(b, i)];
     field_row(g, r->field, b->n, BATCH, U[0], out);
 }
 
@@ -146,7 +152,7 @@ static status gather(const struct gas *g, const double *values, double *all) {
 }
 
 status gas_get_variables(const struct gas *g, int first, int n, double *const *out) {
-    double *values;
+    double *values = NULL;
     status s = comm_agree(g->comm, allocate(&values, cells_of_rank(g), sizeof *values, "the cells of this rank"));
     for (int v = 0; v < n && !s; v++) {
         double *next = values;
@@ -197,11 +203,13 @@ static void sum_batch(void *summing, const struct batch *b) {
     const double *line[MAX_VAR], *volume = x->g->volumes.each;
     double sum[MAX_VAR];
     memcpy(sum, x->sum, sizeof sum);
-    for (int v = 0; v < MAX_VAR; v++) line[v] = x->s->block[b->block] + (v < x->n ? v : 0) * x->g->size;
-    for (int i = 0; i < b->n; i++) {
-        const double share = volume ? volume[b->at[i]] : 1;
-        for (int v = 0; v < MAX_VAR; v++) sum[v] += share * line[v][b->at[i]];
-    }
+    for (int v = 0; v < MAX_VAR; v++) line[v] = x->s->block[b->block] + (v < x->n ? v : 0) * x->g->size + b->first;
+    if (volume)
+        for (int i = 0; i < b->n; i++)
+            for (int v = 0; v < MAX_VAR; v++) sum[v] += volume[b->at[i]] * line[v][b->at[i]];
+    else
+        for (int i = 0; i < b->n; i++)
+            for (int v = 0; v < MAX_VAR; v++) sum[v] += line[v][i * b->step];
     memcpy(x->sum, sum, sizeof sum);
 }
 

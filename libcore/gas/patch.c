@@ -190,15 +190,18 @@ static void find_density(const struct patch_rules *r, int n, const int *face, do
     r->density.type->ghost(&r->density, &line);
 }
 
+static void take_cells(const struct gas *g, const double *U, int n, const int *at, double (*out)[BATCH]) {
+    out[0][0] = U[at[0]]; /* else gcc warns of a line without numbers */
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < n; i++) out[v][i] = U[v * g->size + at[i]];
+}
+
 void feed_fluxes(const struct gas *g, const struct patch_rules *r, const struct fed_faces *f) {
     const int last = g->components + 1, n = f->n;
-    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH] = {{0}}, enthalpy[BATCH], rho[BATCH], mass[BATCH];
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], enthalpy[BATCH], rho[BATCH], mass[BATCH];
     double(*flux)[BATCH] = f->flux;
-    for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < n; i++) {
-            inner[v][i] = f->U[v * g->size + f->in[i]];
-            ghost[v][i] = f->U[v * g->size + f->beyond[i]];
-        }
+    take_cells(g, f->U, n, f->in, inner);
+    take_cells(g, f->U, n, f->beyond, ghost);
     find_enthalpy(g, n, ghost, enthalpy);
     find_density(r, n, f->face, inner[0], rho);
     memcpy(mass, flux[0], (size_t)n * sizeof *mass);

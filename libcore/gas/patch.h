@@ -21,11 +21,11 @@ void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct
 
 struct fed_faces { /* n <= BATCH faces of a patch that feeds */
     int n;
-    const int *face;    /* [n] faces within the patch */
-    const double *into; /* [n] what patch_feed gives along the normals into the domain */
-    const double *U;    /* conserved variables, g->size apart, with the cells inside and beyond at in[n], beyond[n] */
-    long in[BATCH], beyond[BATCH];
-    double (*flux)[BATCH]; /* [nvar][n] into the domain */
+    const int *face;        /* [n] faces within the patch */
+    const double *into;     /* [n] what patch_feed gives along the normals into the domain */
+    const double *U;        /* conserved variables, g->size apart */
+    const int *in, *beyond; /* [n] places of the cells inside and of those beyond */
+    double (*flux)[BATCH];  /* [nvar][n] into the domain */
 };
 /* Gives the fluxes through faces of a patch that feeds (patch_feeds) the mass that it gives: what is missing comes with
  * velocity and enthalpy of the gas beyond, and what is too much goes back as gas of the cell, so that either keeps an

@@ -38,11 +38,12 @@ bool tiles_fed(const struct gas *g, int tile, int side) {
 
 static void feed(const struct gas *g, const double *U, const struct edge *e, double (*out)[BATCH], int column) {
     const double sign = e->to > e->from ? -1 : 1; /* of what flows in */
-    double flux[MAX_VAR][BATCH], into[BATCH] = {0};
-    struct fed_faces f = {.n = e->n, .face = e->face, .into = into, .U = U, .flux = flux};
+    double flux[MAX_VAR][BATCH], into[BATCH];
+    int in[BATCH], beyond[BATCH];
+    const struct fed_faces f = {e->n, e->face, into, U, in, beyond, flux};
     for (int i = 0; i < e->n; i++) {
-        f.in[i] = e->from + i;
-        f.beyond[i] = e->to + i;
+        in[i] = (int)e->from + i;
+        beyond[i] = (int)e->to + i;
         into[i] = sign * patch_feed(e->rules, g->components, e->face[i], e->normal);
         for (int v = 0; v < g->nvar; v++) flux[v][i] = sign * out[v][column + i];
     }

@@ -291,13 +291,11 @@ static void feed(struct gas *g, int first, int last, const double *const *U) {
     const int *place = f->place + first - f->ninternal;
     const struct patch_rules *r = &g->patches.rules[f->patch[first - f->ninternal]];
     double flux[MAX_VAR][BATCH], into[BATCH];
-    struct fed_faces fed = {.n = last - first, .face = place, .into = into, .U = U[0], .flux = flux};
+    const struct fed_faces fed = {last - first, place, into, U[0], f->left + first, f->right + first, flux};
     for (int i = 0; i < fed.n; i++) {
         const int face = first + i;
         into[i] = 0;
         for (int k = 0; k < g->dim; k++) into[i] -= f->normal[k][face] * patch_feed(r, g->components, place[i], k);
-        fed.in[i] = f->left[face];
-        fed.beyond[i] = f->right[face];
         for (int v = 0; v < g->nvar; v++) flux[v][i] = -g->cells->flux[v][face] / f->area[face];
     }
     feed_fluxes(g, r, &fed);
