@@ -57,10 +57,11 @@ status dense_make(struct gas *g) {
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
     d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);
-    const int blocks = g->forest ? g->forest->ntiles : 1;
+    const int blocks = d->blocks = g->forest ? g->forest->ntiles : 1;
     TRY(allocate(&d->number, blocks, sizeof *d->number, "the bed"));
     TRY(allocate(&d->number[0], blocks * g->size, sizeof(int), "the bed"));
     for (int b = 1; b < blocks; b++) d->number[b] = d->number[0] + b * g->size;
+    TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
     return g->engine->bed.make(g);
 }
 
@@ -71,73 +72,9 @@ void dense_free(struct gas *g) {
     room_free(&g->dense->room);
     if (g->dense->number) free(g->dense->number[0]);
     free(g->dense->number);
+    free(g->dense->holds);
     status_free(g->dense->failed);
     free(g->dense);
-}
-
-/* Returns the largest rate at which impacts cool the dense cells of a row, by the cooling law over dt. */
-static double rate_of_cooling(const struct gas *g, double dt, const struct bed_row *row) {
-    const struct gas_models *m = &g->models;
-    double cooled[BATCH], most = 0;
-    if (!source_cools(&m->source, &m->material)) return 0;
-    memcpy(cooled, row->eps, (size_t)row->n * sizeof(double));
-    const struct closure_line cells = {.eos = m->eos,
-                                       .material = &m->material,
-                                       .n = row->n,
-                                       .rho = row->rho,
-                                       .shear_rate = shear_rate_at(g, m->source.cooling->needs, row->block, row->at)};
-    m->source.cooling->step(&m->source.cooling_params, &cells, dt, cooled);
-    for (int i = 0; i < row->n; i++)
-        if (row->part[i] >= BED_DENSE) most = larger(most, (row->eps[i] - cooled[i]) / (cooled[i] * dt));
-    return most;
-}
-
-static void raise_rates(const struct gas *g, double dt, double thin, const struct bed_row *row,
-                        struct bed_rates *most) {
-    const struct material *m = &g->models.material;
-    const double grain = m->diameter / sqrt(packing_per_density(m)); /* sigma sqrt(rho of a grain) */
-    bool dense = false;
-    for (int i = 0; i < row->n; i++) {
-        const double part = row->part ? row->part[i] : 0;
-        const bool near_void = row->rho[i] < thin;
-        most->flow = larger(most->flow, part > 0 ? row->flow[i] : 0);
-        most->thin = larger(most->thin, part < BED_FROZEN ? row->thin[i] : 0);
-        most->solid = larger(most->solid, part < BED_FROZEN && !near_void ? row->thin[i] : 0);
-        dense |= part >= BED_DENSE && (near_void || g->dense->cooling == 0);
-        if (part >= BED_DENSE && !near_void)
-            most->inertia = larger(most->inertia, row->flow[i] * grain / sqrt(row->p[i]));
-    }
-    if (dense) most->cooling = larger(most->cooling, rate_of_cooling(g, dt, row));
-}
-
-/* Offers the places of those cells of a row that have the rate which refused an implicit step. */
-static void seek_row(const struct gas *g, double dt, double thin, const struct bed_row *row) {
-    const struct dense *d = g->dense;
-    for (int i = 0; i < row->n; i++) {
-        const struct bed_row one = {1,
-                                    row->block,
-                                    row->at + i,
-                                    row->rho + i,
-                                    row->eps + i,
-                                    row->p + i,
-                                    row->thin + i,
-                                    row->flow + i,
-                                    row->part ? row->part + i : NULL};
-        struct bed_rates r = {0};
-        double here[3];
-        raise_rates(g, dt, thin, &one, &r);
-        const double rate[BED_CAUSES] = {r.thin, r.flow, r.cooling};
-        if (rate[d->bound.cause] != d->bound.rate) continue;
-        g->engine->state.place(g, row->block, one.at, here);
-        first_place_offer(d->sought, here);
-    }
-}
-
-void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most) {
-    if (g->dense->sought)
-        seek_row(g, dt, thin, row);
-    else
-        raise_rates(g, dt, thin, row, most);
 }
 
 static const char *const cause_name[BED_CAUSES] = {"thin gas", "flow", "cooling of the bed", "free fall",
@@ -166,21 +103,6 @@ static double limit_of_cooling(const struct gas *g, double plain, double rate) {
     if (!(rate > 0)) return HUGE_VAL;
     if (!g->models.acoustics->automatic && g->models.transport) return larger(p->governor / rate, p->gain * plain);
     return p->governor / (rate * larger(1, mild / loss));
-}
-
-/* Marks the parts of the bed and finds the rates, over all ranks. The second time only near vacuum has become dense,
- * and the other cells' rate of cooling is known. */
-static struct bed_rates find_rates(struct gas *g, double plain) {
-    struct dense *d = g->dense;
-    struct bed_rates rates;
-    if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
-    g->engine->bed.parts(g, plain, d->thin, &rates);
-    d->cooling = larger(d->cooling, rates.cooling);
-    double most[] = {rates.thin, rates.solid, rates.flow, d->cooling, rates.inertia};
-    comm_max(g->comm, most, 5);
-    d->inertia = most[4];
-    return (struct bed_rates){
-        .thin = most[0], .solid = most[1], .flow = most[2], .cooling = most[3], .inertia = most[4]};
 }
 
 /* Finds the limits of dt; thick: without near vacuum. */
@@ -215,21 +137,18 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     const double plain = smaller(maxCo / speed->rate, fall), gain = d->bed.params.gain;
     /* The steps that implicit ones are compared with. A small maxCo asks for accuracy, not for implicit steps. */
     const double usual = g->models.acoustics->automatic ? smaller(larger(maxCo, 1) / speed->rate, fall) : plain;
-    double count = (double)g->engine->bed.find(g, d->above), step[BED_CAUSES];
-    comm_max(g->comm, &count, 1);
+    double step[BED_CAUSES];
     d->longest = d->cooling = 0;
     d->plain = plain;
     d->usual = usual;
     d->bound = (struct gas_bed_bound){.cause = BED_CAUSES};
-    if (count == 0) return 0;
+    if (!dense_find(g)) return 0;
     if (d->pause > 0) return d->leans ? refuse(d, BY_OUTLET, 1, 0, plain) : 0;
     if (FALL * fall < gain * usual) return refuse(d, BY_FALL, FALL * fall / usual, 0, plain);
-    struct bed_rates rates = find_rates(g, plain);
+    struct bed_rates rates = dense_rates(g, plain);
     find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
     if (d->thin > 0) {
-        count = (double)g->engine->bed.include(g, d->thin, smaller(maxCo, BORDER) / step[least_of(step)]);
-        comm_max(g->comm, &count, 1);
-        if (count > 0) rates = find_rates(g, plain);
+        if (dense_include(g, smaller(maxCo, BORDER) / step[least_of(step)])) rates = dense_rates(g, plain);
         find_limits(g, &rates, maxCo, plain, fall, false, step);
     }
     const int least = least_of(step);
@@ -248,14 +167,7 @@ bool gas_bed_refused(const struct gas *g) {
 void gas_bed_bound(struct gas *g, struct gas_bed_bound *out) {
     struct dense *d = g->dense;
     if (d->bound.rate > 0) {
-        struct first_place first = {.order = HUGE_VAL};
-        struct bed_rates none;
-        d->cooling = 0; /* all dense cells are to find their rates of cooling again */
-        d->sought = &first;
-        if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
-        g->engine->bed.parts(g, d->bound.dt, d->thin, &none);
-        d->sought = NULL;
-        first_place_share(g, &first, d->bound.cell.place);
+        dense_seek(g, d->bound.cell.place);
         look_at(g, &d->bound.cell);
     }
     *out = d->bound;

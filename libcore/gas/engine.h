@@ -156,12 +156,8 @@ struct implicit_hooks {
  * as they are, so that they see no fast sound; they do advance the two rings, for the sake of the fluxes between the
  * bed and the rest alone. */
 enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE, BED_HARD };
-struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 1/rate */
-    double thin;    /* sum_k (|u_k| + c)/width_k outside of the frozen parts */
-    double solid;   /* the same without near vacuum, cells less dense than the `thin` of parts */
-    double flow;    /* sum_k |u_k|/width_k */
-    double cooling; /* of T in dense cells */
-    double inertia; /* the inertial number of dense cells (gas_inertia), no rate */
+struct bed_speeds { /* of a row of cells: eps, p; 1/s: sum_k |u_k|/width_k, sum_k (|u_k| + c)/width_k */
+    double eps[BATCH], p[BATCH], flow[BATCH], thin[BATCH];
 };
 /* The implicit acoustics of dense cells; all NULL: the engine has none. A bed is libcore/acoustics/bed.h's, g->dense
  * has it. */
@@ -170,14 +166,11 @@ struct bed_hooks {
      */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
-    /* Finds the cells denser than `dense` (kg/m^3) in U; returns their number on this rank. */
-    long (*find)(struct gas *g, double dense);
-    /* Marks the parts around the dense cells, anew if it had done so; then finds the rates, those of cooling over dt.
-     * Collective. */
-    void (*parts)(struct gas *g, double dt, double thin, struct bed_rates *mine);
-    /* Makes cells less dense than `thin` with a rate of thin gas above `rate` dense, too; returns how many of this
-     * rank. If any rank has any, parts must follow. */
-    long (*include)(struct gas *g, double thin, double rate);
+    /* Marks the parts around the dense cells, anew if it had done so, and writes all backgrounds of U out. Collective.
+     */
+    void (*rings)(struct gas *g);
+    /* Finds the speeds of a row of U. */
+    void (*speeds)(struct gas *g, const struct row *row, struct bed_speeds *out);
     /* Fills the ghosts of `from` across the faces of the bed, beyond patches, too. Collective. */
     void (*fill)(struct gas *g, const struct state *from);
     /* Lists the bed's cells and faces: g->dense->bed.home, row, border and number. Collective. */
@@ -186,9 +179,9 @@ struct bed_hooks {
     void (*balance)(struct gas *g, const struct state *from);
     /* Adds `weight` times the fluxes of the last stage to those that are kept. */
     void (*keep)(struct gas *g, double weight);
-    /* Writes the backgrounds of the bed's blocks out to their cells. NULL: there are none, and stages write frozen
-     * cells; else they leave frozen cells of V and W as they are. */
-    void (*unfold)(struct gas *g, const struct state *s);
+    /* Writes out to their cells the backgrounds of s that are denser than `above`, and those of blocks that hold cells
+     * of the bed. NULL: there are none, and stages write frozen cells; else they leave those of V and W as they are. */
+    void (*unfold)(struct gas *g, const struct state *s, double above);
     /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->floors.raised. */
     void (*spread)(struct gas *g, const double *per_block, double *raised);
 };

@@ -33,6 +33,8 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct row *row;             /* [rows] the bed's cells in the bed's order */
     struct dense_border *border; /* [borders] */
     int rows, borders;
+    int blocks;           /* of part and number: tiles of a lattice, or 1 */
+    bool *holds;          /* [blocks] has the block a cell of the bed? */
     int **number;         /* [blocks][size] numbers of the bed's cells over all ranks from 1 on, else 0; ghosts too */
     struct room room;     /* the memory of row, border */
     double thin;          /* kg/m^3: below it cells are near vacuum */
@@ -50,8 +52,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     bool leans;          /* did packed gas lean on an open patch without pressure in it? */
     double pause;        /* s: steps stay explicit for so long after that */
     double paused;       /* s: so long the pause was at first; a restart goes on with both */
-    struct first_place *sought; /* of gas_bed_bound, while it looks for the cell; else NULL */
-    status failed;              /* why an attempt could not be made, other than that dt was too long */
+    status failed;       /* why an attempt could not be made, other than that dt was too long */
 };
 
 /* Gravity is a part of div F in the stages, where the fluxes know the pressure that carries gas at rest. Only in cold
@@ -226,14 +227,23 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
 
 status dense_make(struct gas *g);
 void dense_free(struct gas *g);
-struct bed_row { /* n <= BATCH cells, from `at` on in a block; rates as in struct bed_rates; part NULL: none is a bed's
-                  */
-    int n, block;
-    long at;
-    const double *rho, *eps, *p, *thin, *flow, *part;
+struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 1/rate */
+    double thin;    /* sum_k (|u_k| + c)/width_k outside of the frozen parts */
+    double solid;   /* the same without near vacuum, cells less dense than g->dense->thin */
+    double flow;    /* sum_k |u_k|/width_k */
+    double cooling; /* of T in dense cells */
+    double inertia; /* the inertial number of dense cells (gas_inertia), no rate */
 };
-/* Raises `most` to the rates of a row, those of cooling over dt; thin: as in the hook `parts`. */
-void dense_rates(const struct gas *g, double dt, double thin, const struct bed_row *row, struct bed_rates *most);
+/* Marks the dense cells. Returns whether any rank has some. Collective. */
+bool dense_find(struct gas *g);
+/* Makes cells of near vacuum whose rate of thin gas is above `rate` dense, too. Returns whether any rank has some: then
+ * dense_rates must follow. Collective. */
+bool dense_include(struct gas *g, double rate);
+/* Marks the parts of the bed around the dense cells and finds the rates over all ranks, those of cooling over `plain`.
+ * The second time only near vacuum has become dense, and the other cells' rate of cooling is known. Collective. */
+struct bed_rates dense_rates(struct gas *g, double plain);
+/* Finds the first cell that has the rate which forbids an implicit step, d->bound.rate. Collective. */
+void dense_seek(struct gas *g, double place[3]);
 /* Makes room for a new list, of so many rows of cells with so many sides, whose blocks are known, after bed.home was
  * given its blocks. s: an error that this rank has met before. Forgets the numbers. Collective. */
 status dense_list(struct gas *g, status s, long rows, int sides);

@@ -249,13 +249,12 @@ void seams_end(struct gas *g, int tile);
 /* The bed of implicit acoustics (libcore/lattice/tiles_bed.c). */
 status tiles_bed_make(struct gas *g);
 void tiles_bed_free(struct gas *g);
-long tiles_bed_find(struct gas *g, double above);
-void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine);
-long tiles_bed_include(struct gas *g, double thin, double rate);
+void tiles_bed_rings(struct gas *g);
+void tiles_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *out);
 void tiles_bed_fill(struct gas *g, const struct state *from);
 status tiles_bed_list(struct gas *g);
 void tiles_bed_keep(struct gas *g, double weight);
-void tiles_bed_unfold(struct gas *g, const struct state *s);
+void tiles_bed_unfold(struct gas *g, const struct state *s, double above);
 void tiles_bed_spread(struct gas *g, const double *per_block, double *raised);
 /* Has the step in hand a bed with cells in the tile? */
 bool tiles_hold_bed(const struct gas *g, int tile);

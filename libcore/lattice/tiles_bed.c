@@ -8,7 +8,6 @@
 
 /* Memory of the lattice for the bed: g->tiles->bed. */
 struct tiles_bed {
-    bool *holds; /* [ntiles] has the tile a cell of the bed? */
     /* [ntiles] of [dim][nvar][size]: fluxes of the last stage, by axis and the cell below; NULL: no bed yet */
     double **fluxes;
     /* The cells are one box, and a face has the shape of its axis. Volumes are 1, and areas 1/width. */
@@ -54,7 +53,6 @@ status tiles_bed_make(struct gas *g) {
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->tiles->bed = b;
     make_shapes(g, b);
-    TRY(allocate(&b->holds, f->ntiles, sizeof(bool), "tiles"));
     return allocate(&b->fluxes, f->ntiles, sizeof(double *), "tiles");
 }
 
@@ -63,53 +61,10 @@ void tiles_bed_free(struct gas *g) {
     blocks_free(g->forest, g->dense->part);
     if (!b) return;
     blocks_free(g->forest, b->fluxes);
-    free(b->holds);
     free(b);
 }
 
 /* ---- the parts ---- */
-
-struct finding { /* marks the dense cells of a tile */
-    const double *rho;
-    double *part, above, hard;
-    long count;
-};
-
-KERNEL static double bed_largest(int n, const double *restrict rho) {
-    double most = 0;
-    for (int i = 0; i < n; i++) most = larger(most, rho[i]);
-    return most;
-}
-
-KERNEL static double bed_smallest(int n, const double *restrict rho) {
-    double least = HUGE_VAL;
-    for (int i = 0; i < n; i++) least = smaller(least, rho[i]);
-    return least;
-}
-
-static void find_visit(void *finding, long offset, int n) {
-    struct finding *f = finding;
-    if (!(bed_largest(n, f->rho + offset) > f->above)) return;
-    for (int i = 0; i < n; i++) {
-        f->part[offset + i] = f->rho[offset + i] > f->hard ? BED_HARD : f->rho[offset + i] > f->above ? BED_DENSE : 0;
-        f->count += f->rho[offset + i] > f->above;
-    }
-}
-
-/* A tile whose background is dense is written out. */
-long tiles_bed_find(struct gas *g, double above) {
-    const struct forest *f = g->forest;
-    long count = 0;
-    for (int t = 0; t < f->ntiles; t++) {
-        struct finding find = {g->U.block[t], g->dense->part[t], above, g->dense->hard, 0};
-        if (g->tiles->bed->holds[t]) memset(find.part, 0, (size_t)f->size * sizeof(double));
-        if (activity_has_background(g, t, &g->U) && g->U.block[t][0] > above) activity_unfold(g, t, &g->U);
-        varied_visit(g, t, &g->U, find_visit, &find);
-        g->tiles->bed->holds[t] = find.count > 0;
-        count += find.count;
-    }
-    return count;
-}
 
 struct ringing { /* marks the ring around the parts above `level` */
     const struct forest *f;
@@ -158,106 +113,44 @@ static bool beside_bed(const struct gas *g, int tile) {
 static void forget_rings(struct gas *g) {
     for (int t = 0; t < g->forest->ntiles; t++) {
         double *part = g->dense->part[t];
-        for (long i = 0; i < g->forest->size && g->tiles->bed->holds[t]; i++)
+        for (long i = 0; i < g->forest->size && g->dense->holds[t]; i++)
             part[i] = select_double(part[i] < BED_DENSE, 0, part[i]);
     }
 }
 
-/* Dilates the dense part by three rings of neighbours. */
-static void find_rings(struct gas *g) {
+/* Dilates the dense part by three rings of neighbours. No cell is left out as uniform in a step with a bed. */
+void tiles_bed_rings(struct gas *g) {
     struct forest *f = g->forest;
+    bool *holds = g->dense->holds;
     forget_rings(g);
     for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
         forest_fill_layers(f, 1, 1, g->dense->part);
         for (int t = 0; t < f->ntiles; t++) {
             struct ringing r = {f, g->dense->part[t], g->dim, level, false};
-            if (!g->tiles->bed->holds[t] && !beside_bed(g, t)) continue;
+            if (!holds[t] && !beside_bed(g, t)) continue;
             runs_visit(f, &f->tile[t], 0, ring_visit, &r);
-            g->tiles->bed->holds[t] = r.found;
+            holds[t] = r.found;
         }
     }
     forest_fill_layers(f, 1, 1, g->dense->part);
+    for (int t = 0; t < f->ntiles; t++) activity_unfold(g, t, &g->U);
 }
 
-struct rating { /* finds the rates of a tile */
-    struct gas *g;
-    const double *U, *part; /* part: NULL in tiles without a bed */
-    double dt, thin;
-    int tile;
-    struct bed_rates most;
-};
-
-static void rate_visit(void *rating, long offset, int n) {
-    struct rating *r = rating;
-    const struct gas *g = r->g;
+void tiles_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *out) {
     const struct work *w = &g->tiles->work;
-    double thin[BATCH] = {0}, flow[BATCH] = {0};
-    primitives_of_row(g, r->U, offset, n);
+    const size_t bytes = (size_t)row->n * sizeof(double);
+    primitives_of_row(g, g->U.block[row->block], row->at, row->n);
+    memcpy(out->eps, w->eps + row->at, bytes);
+    memcpy(out->p, w->p + row->at, bytes);
+    memset(out->thin, 0, bytes);
+    memset(out->flow, 0, bytes);
     for (int k = 0; k < g->dim; k++) {
-        const double inverse = 1 / g->forest->width[k], *u = w->velocity[k] + offset, *c = w->c + offset;
-        for (int i = 0; i < n; i++) {
-            flow[i] += fabs(u[i]) * inverse;
-            thin[i] += (fabs(u[i]) + c[i]) * inverse;
+        const double inverse = 1 / g->forest->width[k], *u = w->velocity[k] + row->at, *c = w->c + row->at;
+        for (int i = 0; i < row->n; i++) {
+            out->flow[i] += fabs(u[i]) * inverse;
+            out->thin[i] += (fabs(u[i]) + c[i]) * inverse;
         }
     }
-    const struct bed_row row = {n,
-                                r->tile,
-                                offset,
-                                r->U + offset,
-                                w->eps + offset,
-                                w->p + offset,
-                                thin,
-                                flow,
-                                r->part ? r->part + offset : NULL};
-    dense_rates(g, r->dt, r->thin, &row, &r->most);
-}
-
-/* No cell is left out as uniform in a step with a bed. */
-void tiles_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine) {
-    const struct forest *f = g->forest;
-    struct rating r = {.g = g, .dt = dt, .thin = thin};
-    find_rings(g);
-    for (int t = 0; t < f->ntiles; t++) {
-        activity_unfold(g, t, &g->U);
-        r.tile = t;
-        r.U = g->U.block[t];
-        r.part = g->tiles->bed->holds[t] ? g->dense->part[t] : NULL;
-        runs_visit(f, &f->tile[t], 0, rate_visit, &r);
-    }
-    *mine = r.most;
-}
-
-struct inclusion { /* near vacuum that becomes dense */
-    struct gas *g;
-    const double *U;
-    double *part, thin, rate;
-    long found;
-};
-
-static void include_visit(void *inclusion, long offset, int n) {
-    struct inclusion *c = inclusion;
-    const struct work *w = &c->g->tiles->work;
-    if (!(bed_smallest(n, c->U + offset) < c->thin)) return;
-    primitives_of_row(c->g, c->U, offset, n);
-    for (long i = offset; i < offset + n; i++) {
-        double rate = 0;
-        for (int k = 0; k < c->g->dim; k++) rate += (fabs(w->velocity[k][i]) + w->c[i]) / c->g->forest->width[k];
-        if (c->part[i] >= BED_FROZEN || !(c->U[i] < c->thin) || !(rate > c->rate)) continue;
-        c->part[i] = BED_DENSE;
-        c->found++;
-    }
-}
-
-long tiles_bed_include(struct gas *g, double thin, double rate) {
-    const struct forest *f = g->forest;
-    long count = 0;
-    for (int t = 0; t < f->ntiles; t++) {
-        struct inclusion c = {g, g->U.block[t], g->dense->part[t], thin, rate, 0};
-        runs_visit(f, &f->tile[t], 0, include_visit, &c);
-        g->tiles->bed->holds[t] |= c.found > 0;
-        count += c.found;
-    }
-    return count;
 }
 
 /* ---- the lists ---- */
@@ -299,7 +192,7 @@ static struct listing list_cells(struct gas *g, bool blocks) {
     struct listing l = {.g = g, .bed = blocks ? NULL : g->dense};
     if (blocks) bed->blocks = bed->first[0] = 0;
     for (l.tile = 0; l.tile < f->ntiles; l.tile++) {
-        if (!g->tiles->bed->holds[l.tile]) continue;
+        if (!g->dense->holds[l.tile]) continue;
         l.block_end = blocks ? bed->first + bed->blocks + 1 : NULL;
         runs_visit(f, &f->tile[l.tile], 0, list_visit, &l);
         for (int i = 0; blocks && i < blocks_of_tile(g, l.tile); i++)
@@ -367,7 +260,7 @@ static void list_faces(struct gas *g) {
 static status make_fluxes(struct gas *g) {
     const long doubles = (long)g->dim * g->nvar * g->forest->size + SLACK;
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->tiles->bed->holds[t] && !g->tiles->bed->fluxes[t])
+        if (g->dense->holds[t] && !g->tiles->bed->fluxes[t])
             TRY(allocate(&g->tiles->bed->fluxes[t], doubles, sizeof(double), "the bed"));
     return OK;
 }
@@ -390,7 +283,7 @@ status tiles_bed_list(struct gas *g) {
 void tiles_bed_fill(struct gas *g, const struct state *from) {
     forest_fill_layers(g->forest, 1, g->nvar, from->block);
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->tiles->bed->holds[t]) ghosts_of_patches(g, t, from->block[t], GHOSTS, NULL);
+        if (g->dense->holds[t]) ghosts_of_patches(g, t, from->block[t], GHOSTS, NULL);
 }
 
 void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column) {
@@ -410,9 +303,10 @@ void tiles_bed_keep(struct gas *g, double weight) {
     }
 }
 
-void tiles_bed_unfold(struct gas *g, const struct state *s) {
+void tiles_bed_unfold(struct gas *g, const struct state *s, double above) {
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->tiles->bed->holds[t]) activity_unfold(g, t, s);
+        if (g->dense->holds[t] || (activity_has_background(g, t, s) && s->block[t][0] > above))
+            activity_unfold(g, t, s);
 }
 
 void tiles_tally_bed(struct gas *g, double dt) {
@@ -433,7 +327,7 @@ void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {
     int block = 0;
     for (int t = 0; t < g->forest->ntiles; t++) {
         raised[t] = 0;
-        if (!g->tiles->bed->holds[t]) continue;
+        if (!g->dense->holds[t]) continue;
         for (int i = blocks_of_tile(g, t); i > 0; i--) raised[t] += per_block[block++];
     }
 }
@@ -441,7 +335,7 @@ void tiles_bed_spread(struct gas *g, const double *per_block, double *raised) {
 /* ---- in the stages ---- */
 
 bool tiles_hold_bed(const struct gas *g, int tile) {
-    return g->step.hybrid && g->tiles->bed->holds[tile];
+    return g->step.hybrid && g->dense->holds[tile];
 }
 
 struct span tiles_moving_span(const struct gas *g, int tile, long row, int n) {

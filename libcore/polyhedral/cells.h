@@ -177,9 +177,8 @@ bool cells_fronts_floor(const struct gas *g, int n, const int *face, double *flo
 
 status cells_bed_make(struct gas *g);
 void cells_bed_free(struct gas *g);
-long cells_bed_find(struct gas *g, double above);
-void cells_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine);
-long cells_bed_include(struct gas *g, double thin, double rate);
+void cells_bed_rings(struct gas *g);
+void cells_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *out);
 void cells_bed_fill(struct gas *g, const struct state *from);
 status cells_bed_list(struct gas *g);
 void cells_bed_balance(struct gas *g, const struct state *from);

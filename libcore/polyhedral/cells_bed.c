@@ -74,24 +74,13 @@ void cells_bed_free(struct gas *g) {
 
 /* ---- the parts ---- */
 
-long cells_bed_find(struct gas *g, double above) {
-    const double *rho = g->U.block[0];
-    double *part = g->dense->part[0];
-    long count = 0;
-    for (int i = 0; i < g->cells->polyhedra->nown; i++) {
-        part[i] = rho[i] > g->dense->hard ? BED_HARD : rho[i] > above ? BED_DENSE : 0;
-        count += rho[i] > above;
-    }
-    return count;
-}
-
 static void fill_lines(struct gas *g, int n, double *const *line) {
     polyhedra_fill_start(g->cells->polyhedra, n, line);
     polyhedra_fill_finish(g->cells->polyhedra);
 }
 
 /* Dilates the dense part by three rings of neighbours. Mirrors belong to no part. */
-static void find_rings(struct gas *g) {
+void cells_bed_rings(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *part = g->dense->part[0];
     for (int i = 0; i < m->nown; i++) part[i] = part[i] < BED_DENSE ? 0 : part[i];
@@ -107,49 +96,19 @@ static void find_rings(struct gas *g) {
     fill_lines(g, 1, g->dense->part);
 }
 
-/* flow = sum_k |u_k| girth_k, thin = flow + c total_girth (cells.c: rate_line) of n cells */
-static void find_rates(const struct gas *g, int at, int n, struct cells_primitives *q, double *flow, double *thin) {
+/* flow = sum_k |u_k| girth_k, thin = flow + c total_girth (cells.c: rate_line) */
+void cells_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *out) {
     const struct cells *c = g->cells;
-    cells_primitives(g, n, g->U.block[0] + at, q);
-    for (int i = 0; i < n; i++) {
-        flow[i] = 0;
-        for (int k = 0; k < g->dim; k++) flow[i] += fabs(q->velocity[k][i]) * c->girth[k][at + i];
-        thin[i] = flow[i] + q->c[i] * c->total_girth[at + i];
+    struct cells_primitives q;
+    cells_primitives(g, row->n, g->U.block[0] + row->at, &q);
+    for (int i = 0; i < row->n; i++) {
+        const long at = row->at + i;
+        out->eps[i] = q.eps[i];
+        out->p[i] = q.p[i];
+        out->flow[i] = 0;
+        for (int k = 0; k < g->dim; k++) out->flow[i] += fabs(q.velocity[k][i]) * c->girth[k][at];
+        out->thin[i] = out->flow[i] + q.c[i] * c->total_girth[at];
     }
-}
-
-void cells_bed_parts(struct gas *g, double dt, double thin, struct bed_rates *mine) {
-    const int nown = g->cells->polyhedra->nown;
-    find_rings(g);
-    *mine = (struct bed_rates){0};
-    for (int at = 0, n; at < nown; at += n) {
-        struct cells_primitives q;
-        double flow[BATCH], fast[BATCH];
-        n = nown - at < BATCH ? nown - at : BATCH;
-        find_rates(g, at, n, &q, flow, fast);
-        dense_rates(g, dt, thin,
-                    &(struct bed_row){n, 0, at, g->U.block[0] + at, q.eps, q.p, fast, flow, g->dense->part[0] + at},
-                    mine);
-    }
-}
-
-long cells_bed_include(struct gas *g, double thin, double rate) {
-    const int nown = g->cells->polyhedra->nown;
-    const double *rho = g->U.block[0];
-    double *part = g->dense->part[0];
-    long count = 0;
-    for (int at = 0, n; at < nown; at += n) {
-        struct cells_primitives q;
-        double flow[BATCH], fast[BATCH];
-        n = nown - at < BATCH ? nown - at : BATCH;
-        find_rates(g, at, n, &q, flow, fast);
-        for (int i = at; i < at + n; i++) {
-            if (!(part[i] < BED_FROZEN && rho[i] < thin && fast[i - at] > rate)) continue;
-            part[i] = BED_DENSE;
-            count++;
-        }
-    }
-    return count;
 }
 
 /* ---- the lists ---- */

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Implicit acoustics of dense cells (libcore/gas/dense.c; docs/physics.md 9.2): which cells a bed has, their rates, and
+ * what goes from the states of the gas to the bed, and back. Engines list the cells as rows, and the faces around them
+ * as borders. */
+#include "libcore/gas/gas_private.h"
+
+/* ---- the cells ---- */
+
+struct rated { /* cells that lie one behind the other, their states and rates as in struct bed_rates */
+    struct row row;
+    const double *rho, *part;
+    struct bed_speeds s;
+};
+
+/* Returns the largest rate at which impacts cool the dense cells of a row, by the cooling law over dt. */
+static double rate_of_cooling(const struct gas *g, double dt, const struct rated *r) {
+    const struct gas_models *m = &g->models;
+    double cooled[BATCH], most = 0;
+    if (!source_cools(&m->source, &m->material)) return 0;
+    memcpy(cooled, r->s.eps, (size_t)r->row.n * sizeof(double));
+    const struct closure_line cells = {.eos = m->eos,
+                                       .material = &m->material,
+                                       .n = r->row.n,
+                                       .rho = r->rho,
+                                       .shear_rate =
+                                           shear_rate_at(g, m->source.cooling->needs, r->row.block, r->row.at)};
+    m->source.cooling->step(&m->source.cooling_params, &cells, dt, cooled);
+    for (int i = 0; i < r->row.n; i++)
+        if (r->part[i] >= BED_DENSE) most = larger(most, (r->s.eps[i] - cooled[i]) / (cooled[i] * dt));
+    return most;
+}
+
+static void raise_rates(const struct gas *g, double dt, const struct rated *r, struct bed_rates *most) {
+    const struct material *m = &g->models.material;
+    const double grain = m->diameter / sqrt(packing_per_density(m)); /* sigma sqrt(rho of a grain) */
+    bool dense = false;
+    for (int i = 0; i < r->row.n; i++) {
+        const double part = r->part[i];
+        const bool near_void = r->rho[i] < g->dense->thin;
+        most->flow = larger(most->flow, part > 0 ? r->s.flow[i] : 0);
+        most->thin = larger(most->thin, part < BED_FROZEN ? r->s.thin[i] : 0);
+        most->solid = larger(most->solid, part < BED_FROZEN && !near_void ? r->s.thin[i] : 0);
+        dense |= part >= BED_DENSE && (near_void || g->dense->cooling == 0);
+        if (part >= BED_DENSE && !near_void)
+            most->inertia = larger(most->inertia, r->s.flow[i] * grain / sqrt(r->s.p[i]));
+    }
+    if (dense) most->cooling = larger(most->cooling, rate_of_cooling(g, dt, r));
+}
+
+struct rating {
+    struct gas *g;
+    double dt;
+    struct bed_rates most;
+    struct first_place *sought;
+};
+
+static void find_speeds(struct gas *g, const struct row *row, struct rated *out) {
+    out->row = *row;
+    out->rho = g->U.block[row->block] + row->at;
+    out->part = g->dense->part[row->block] + row->at;
+    g->engine->bed.speeds(g, row, &out->s);
+}
+
+static void rate_row(void *rating, const struct row *row) {
+    struct rating *r = rating;
+    struct rated rated;
+    find_speeds(r->g, row, &rated);
+    raise_rates(r->g, r->dt, &rated, &r->most);
+}
+
+/* Offers the places of those cells of a row that have the rate which refused an implicit step. */
+static void seek_row(void *rating, const struct row *row) {
+    struct rating *r = rating;
+    const struct dense *d = r->g->dense;
+    struct rated one;
+    for (int i = 0; i < row->n; i++) {
+        struct bed_rates most = {0};
+        double here[3];
+        find_speeds(r->g, &(struct row){row->block, row->at + i, 1}, &one);
+        raise_rates(r->g, r->dt, &one, &most);
+        const double rate[BED_CAUSES] = {most.thin, most.flow, most.cooling};
+        if (rate[d->bound.cause] != d->bound.rate) continue;
+        r->g->engine->state.place(r->g, row->block, one.row.at, here);
+        first_place_offer(r->sought, here);
+    }
+}
+
+KERNEL static double bed_largest(int n, const double *restrict rho) {
+    double most = 0;
+    for (int i = 0; i < n; i++) most = larger(most, rho[i]);
+    return most;
+}
+
+/* Marks the dense cells of a row. */
+static void find_row(void *gas, const struct row *row) {
+    const struct gas *g = gas;
+    struct dense *d = g->dense;
+    const double *rho = g->U.block[row->block] + row->at;
+    double *part = d->part[row->block] + row->at;
+    if (!(bed_largest(row->n, rho) > d->above)) return;
+    for (int i = 0; i < row->n; i++) part[i] = rho[i] > d->hard ? BED_HARD : rho[i] > d->above ? BED_DENSE : 0;
+    d->holds[row->block] = true;
+}
+
+bool dense_find(struct gas *g) {
+    struct dense *d = g->dense;
+    double found = 0;
+    for (int b = 0; b < d->blocks; b++) {
+        if (d->holds[b]) memset(d->part[b], 0, (size_t)g->size * sizeof(double));
+        d->holds[b] = false;
+    }
+    if (g->engine->bed.unfold) g->engine->bed.unfold(g, &g->U, d->above);
+    g->engine->state.rows(g, VARIED_CELLS, &g->U, find_row, g);
+    for (int b = 0; b < d->blocks; b++) found += d->holds[b];
+    comm_max(g->comm, &found, 1);
+    return found > 0;
+}
+
+KERNEL static double bed_smallest(int n, const double *restrict rho) {
+    double least = HUGE_VAL;
+    for (int i = 0; i < n; i++) least = smaller(least, rho[i]);
+    return least;
+}
+
+struct inclusion { /* near vacuum of a rate of thin gas above `rate` */
+    struct gas *g;
+    double rate, found;
+};
+
+static void include_row(void *inclusion, const struct row *row) {
+    struct inclusion *c = inclusion;
+    struct dense *d = c->g->dense;
+    double *part = d->part[row->block] + row->at;
+    struct rated r;
+    if (!(bed_smallest(row->n, c->g->U.block[row->block] + row->at) < d->thin)) return;
+    find_speeds(c->g, row, &r);
+    for (int i = 0; i < row->n; i++) {
+        if (part[i] >= BED_FROZEN || !(r.rho[i] < d->thin) || !(r.s.thin[i] > c->rate)) continue;
+        part[i] = BED_DENSE;
+        d->holds[row->block] = true;
+        c->found++;
+    }
+}
+
+bool dense_include(struct gas *g, double rate) {
+    struct inclusion c = {g, rate, 0};
+    g->engine->state.rows(g, VARIED_CELLS, &g->U, include_row, &c);
+    comm_max(g->comm, &c.found, 1);
+    return c.found > 0;
+}
+
+struct bed_rates dense_rates(struct gas *g, double plain) {
+    struct dense *d = g->dense;
+    struct rating r = {.g = g, .dt = plain};
+    if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
+    g->engine->bed.rings(g);
+    g->engine->state.rows(g, VARIED_CELLS, &g->U, rate_row, &r);
+    d->cooling = larger(d->cooling, r.most.cooling);
+    double most[] = {r.most.thin, r.most.solid, r.most.flow, d->cooling, r.most.inertia};
+    comm_max(g->comm, most, 5);
+    d->inertia = most[4];
+    return (struct bed_rates){
+        .thin = most[0], .solid = most[1], .flow = most[2], .cooling = most[3], .inertia = most[4]};
+}
+
+void dense_seek(struct gas *g, double place[3]) {
+    struct first_place first = {.order = HUGE_VAL};
+    struct rating r = {g, g->dense->bound.dt, .sought = &first};
+    g->dense->cooling = 0; /* all dense cells are to find their rates of cooling again */
+    if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
+    g->engine->bed.rings(g);
+    g->engine->state.rows(g, VARIED_CELLS, &g->U, seek_row, &r);
+    first_place_share(g, &first, place);
+}
+
+/* ---- to and from the bed ---- */
+
+/* Are the cells of the bed others than those that have numbers? */
+KERNEL static bool bed_differs(long n, const double *restrict part, const int *restrict number) {
+    int differs = 0;
+    for (long i = 0; i < n; i++) differs |= (part[i] > 0) != (number[i] > 0);
+    return differs;
+}
+
+/* Is the bed that of the last list, on all ranks? */
+static bool is_listed(const struct gas *g) {
+    double changed = 0;
+    for (int b = 0; b < g->dense->blocks && changed == 0; b++)
+        changed = bed_differs(g->size, g->dense->part[b], g->dense->number[b]);
+    comm_max(g->comm, &changed, 1);
+    return changed == 0;
+}
+
+status dense_list(struct gas *g, status s, long rows, int sides) {
+    struct dense *d = g->dense;
+    if (!s) s = ROOM_GROW(&d->room, d->row, rows);
+    if (!s) s = ROOM_GROW(&d->room, d->border, sides);
+    TRY(comm_agree(g->comm, s));
+    TRY(bed_list(&d->bed, sides));
+    for (int b = 0; b < g->dense->blocks; b++) memset(d->number[b], 0, (size_t)g->size * sizeof **d->number);
+    double rest = d->bed.home->cells < d->own;
+    comm_max(g->comm, &rest, 1);
+    d->alone = rest == 0;
+    d->rows = d->borders = d->bed.home->faces = 0;
+    return OK;
+}
+
+/* Copies the bed's cells from a state, or to it. */
+static void copy(const struct gas *g, const struct state *s, bool out) {
+    const struct dense *d = g->dense;
+    double *const *U = d->bed.home->U;
+    for (int r = 0, i = 0; r < d->rows; i += d->row[r++].n)
+        for (int v = 0; v < g->nvar; v++) {
+            double *line = s->block[d->row[r].block] + v * g->size + d->row[r].at;
+            memcpy(out ? line : U[v] + i, out ? U[v] + i : line, (size_t)d->row[r].n * sizeof *line);
+        }
+}
+
+void dense_take(struct gas *g, const struct state *from) {
+    copy(g, from, false);
+}
+
+long dense_put(struct gas *g, const struct state *to) {
+    const struct dense *d = g->dense;
+    long bad = 0;
+    if (g->engine->bed.unfold) g->engine->bed.unfold(g, to, HUGE_VAL);
+    copy(g, to, true);
+    for (int r = 0; r < d->rows; r++)
+        bad += row_inadmissible(g, to->block[d->row[r].block], d->row[r].at, d->row[r].n, NULL);
+    return bad;
+}
+
+/* Takes the gas beyond the borders. An open patch whose ghosts have the cell's own state lets it out freely. */
+static void take_beyond(struct gas *g, const struct state *from) {
+    const struct dense *d = g->dense;
+    const struct bed_set *bed = d->bed.home;
+    for (int i = 0; i < d->borders; i++) {
+        const struct dense_border *b = &d->border[i];
+        const double *U = from->block[b->block];
+        bool same = true;
+        if (bed->kind[b->face] == BED_WALL) continue;
+        for (int v = 0; v < g->nvar; v++, U += g->size) {
+            same &= bits_of(U[b->inside]) == bits_of(U[b->beyond]);
+            bed->outside[v][b->face] = U[b->beyond];
+            bed->kept[v][b->face] = 0;
+        }
+        bed->holds[b->face] = !same;
+    }
+}
+
+status dense_begin(struct gas *g, const struct state *from) {
+    const struct bed_hooks *engine = &g->engine->bed;
+    engine->fill(g, from);
+    if (!is_listed(g)) TRY(engine->list(g));
+    dense_take(g, &g->U);
+    bed_note_start(&g->dense->bed);
+    dense_take(g, from);
+    if (engine->unfold) {
+        copy(g, &g->V, true);
+        copy(g, &g->W, true);
+    }
+    take_beyond(g, from);
+    if (engine->balance) engine->balance(g, from);
+    g->dense->begun = true;
+    return OK;
+}
