@@ -186,15 +186,30 @@ static long sum_all(const struct bed *b, const struct per *per, int (*n)[COUNTS]
 }
 
 /* Calls the lines of the geometry of a face one after the other: 3 + 3 dim. */
-static int face_lines(const struct bed_shapes *s, int dim, double *line[3 + 3 * MAX_DIM]) {
+static int face_lines(struct bed_shapes *s, int dim, double **line[3 + 3 * MAX_DIM]) {
     int n = 0;
-    line[n++] = s->area;
-    for (int side = 0; side < 2; side++) line[n++] = s->depth[side];
+    line[n++] = &s->area;
+    for (int side = 0; side < 2; side++) line[n++] = &s->depth[side];
     for (int k = 0; k < dim; k++) {
-        line[n++] = s->normal[k];
-        for (int side = 0; side < 2; side++) line[n++] = s->arm[side][k];
+        line[n++] = &s->normal[k];
+        for (int side = 0; side < 2; side++) line[n++] = &s->arm[side][k];
     }
     return n;
+}
+
+/* Moves geometry between a message and the shapes of a set: home, whose faces `face` lists, or what is computed, face
+ * NULL. */
+static void move_geometry(const struct bed *b, const struct bed_set *s, const int *face, double *at, bool out) {
+    struct bed_shapes shapes = *s->shapes;
+    double **line[3 + 3 * MAX_DIM];
+    const int lines = face_lines(&shapes, b->dim, line);
+    int(*const n)[COUNTS] = face ? b->deal->out : b->deal->in;
+    for (int r = 0, cell = 0, i = 0; r < b->deal->ranks; r++) {
+        for (const int end = cell + n[r][CELLS]; cell < end; cell++)
+            at = move(shapes.volume + s->body[cell], 1, at, out);
+        for (const int end = i + n[r][FACES]; i < end; i++)
+            for (int k = 0; k < lines; k++) at = move(*line[k] + s->shape[face ? face[i] : i], 1, at, out);
+    }
 }
 
 static void write_lists(const struct bed *b, const int *entry) {
@@ -217,19 +232,6 @@ static void write_lists(const struct bed *b, const int *entry) {
     }
 }
 
-static void write_geometry(const struct bed *b) {
-    const struct bed_deal *d = b->deal;
-    const struct bed_set *h = b->home;
-    const int *face = d->face;
-    double *line[3 + 3 * MAX_DIM], *to = d->geometry;
-    const int lines = face_lines(h->shapes, b->dim, line);
-    for (int r = 0, cell = 0; r < d->ranks; r++) {
-        for (const int end = cell + d->out[r][CELLS]; cell < end; cell++) *to++ = h->shapes->volume[h->body[cell]];
-        for (int k = 0; k < d->out[r][FACES]; k++, face++)
-            for (int i = 0; i < lines; i++) *to++ = line[i][h->shape[*face]];
-    }
-}
-
 void bed_write(struct bed *b) {
     struct bed_deal *d = b->deal;
     if (b->stage != BED_NEW) return;
@@ -238,7 +240,7 @@ void bed_write(struct bed *b) {
     int *const entry = d->place + 2 * b->home->faces;
     list_out(b, d->place, entry);
     write_lists(b, entry);
-    if (!b->home->shapes->boxes) write_geometry(b);
+    if (!b->home->shapes->boxes) move_geometry(b, b->home, d->face, d->geometry, true);
 }
 
 /* Counts the ends of faces that are cells of other ranks. */
@@ -260,18 +262,13 @@ static status make_geometry(struct bed *b) {
     struct bed_deal *d = b->deal;
     struct bed_set *s = &b->set;
     const long cells = (long)s->cells + s->ghosts;
-    double *next;
+    double **line[3 + 3 * MAX_DIM];
+    const int lines = face_lines(&d->shapes, b->dim, line);
     s->shapes = b->home->shapes;
     if (s->shapes->boxes) return OK;
     s->shapes = &d->shapes;
-    TRY(ROOM_GROW(&d->room, d->shapes.volume, cells + (3L + 3 * b->dim) * s->faces));
-    next = d->shapes.volume + cells;
-    d->shapes.area = next;
-    for (int side = 0; side < 2; side++) d->shapes.depth[side] = next += s->faces;
-    for (int k = 0; k < b->dim; k++) {
-        d->shapes.normal[k] = next += s->faces;
-        for (int side = 0; side < 2; side++) d->shapes.arm[side][k] = next += s->faces;
-    }
+    TRY(ROOM_GROW(&d->room, d->shapes.volume, cells + (long)lines * s->faces));
+    for (int i = 0; i < lines; i++) *line[i] = d->shapes.volume + cells + (long)i * s->faces;
     return OK;
 }
 
@@ -311,18 +308,6 @@ static void read_lists(struct bed *b) {
     }
     s->face_start[cell] = entry;
     for (int i = 0; i < s->cells + s->ghosts; i++) s->body[i] = s->shapes->boxes ? 0 : i;
-}
-
-static void read_geometry(struct bed *b) {
-    struct bed_deal *d = b->deal;
-    const double *from = d->message_in;
-    double *line[3 + 3 * MAX_DIM];
-    const int lines = face_lines(&d->shapes, b->dim, line);
-    for (int r = 0, cell = 0, face = 0; r < d->ranks; r++) {
-        for (const int end = cell + d->in[r][CELLS]; cell < end; cell++) d->shapes.volume[cell] = *from++;
-        for (const int end = face + d->in[r][FACES]; face < end; face++)
-            for (int i = 0; i < lines; i++) line[i][face] = *from++;
-    }
 }
 
 static void read_blocks(struct bed *b) {
@@ -379,7 +364,7 @@ status bed_deal_lists(struct bed *b) {
     if (b->home->shapes->boxes) return OK;
     const struct per shapes = of_geometry(b);
     send(b, d->geometry, &shapes, false);
-    read_geometry(b);
+    move_geometry(b, &b->set, NULL, d->message_in, false);
     bed_fill(b, 1, &d->shapes.volume);
     return OK;
 }

@@ -60,7 +60,12 @@ status dense_make(struct gas *g) {
     const int blocks = d->blocks = g->forest ? g->forest->ntiles : 1;
     TRY(allocate(&d->number, blocks, sizeof *d->number, "the bed"));
     TRY(allocate(&d->number[0], blocks * g->size, sizeof(int), "the bed"));
-    for (int b = 1; b < blocks; b++) d->number[b] = d->number[0] + b * g->size;
+    TRY(allocate(&d->part, blocks, sizeof *d->part, "the bed"));
+    TRY(allocate(&d->part[0], blocks * g->size + SLACK, sizeof(double), "the bed"));
+    for (int b = 1; b < blocks; b++) {
+        d->number[b] = d->number[0] + b * g->size;
+        d->part[b] = d->part[0] + b * g->size;
+    }
     TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
     return g->engine->bed.make(g);
 }
@@ -71,6 +76,8 @@ void dense_free(struct gas *g) {
     bed_free(&g->dense->bed);
     room_free(&g->dense->room);
     if (g->dense->number) free(g->dense->number[0]);
+    if (g->dense->part) free(g->dense->part[0]);
+    free(g->dense->part);
     free(g->dense->number);
     free(g->dense->holds);
     status_free(g->dense->failed);

@@ -153,6 +153,9 @@ struct bed_rates dense_rates(struct gas *g, double plain) {
     struct dense *d = g->dense;
     struct rating r = {.g = g, .dt = plain};
     if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
+    for (int b = 0; b < d->blocks; b++)
+        for (long i = 0; i < g->size && d->holds[b]; i++)
+            d->part[b][i] = select_double(d->part[b][i] < BED_DENSE, 0, d->part[b][i]);
     g->engine->bed.rings(g);
     g->engine->state.rows(g, VARIED_CELLS, &g->U, rate_row, &r);
     d->cooling = larger(d->cooling, r.most.cooling);
@@ -168,7 +171,6 @@ void dense_seek(struct gas *g, double place[3]) {
     struct rating r = {g, g->dense->bound.dt, .sought = &first};
     g->dense->cooling = 0; /* all dense cells are to find their rates of cooling again */
     if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
-    g->engine->bed.rings(g);
     g->engine->state.rows(g, VARIED_CELLS, &g->U, seek_row, &r);
     first_place_share(g, &first, place);
 }

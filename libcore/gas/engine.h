@@ -162,8 +162,7 @@ struct bed_speeds { /* of a row of cells: eps, p; 1/s: sum_k |u_k|/width_k, sum_
 /* The implicit acoustics of dense cells; all NULL: the engine has none. A bed is libcore/acoustics/bed.h's, g->dense
  * has it. */
 struct bed_hooks {
-    /* make makes the bed (bed_make) and its shapes, g->dense->part and what the engine needs, and sets g->dense->own.
-     */
+    /* make makes the bed (bed_make), its shapes and what the engine needs, and sets g->dense->own. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
     /* Marks the parts around the dense cells, anew if it had done so, and writes all backgrounds of U out. Collective.

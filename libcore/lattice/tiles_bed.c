@@ -49,7 +49,6 @@ status tiles_bed_make(struct gas *g) {
         g->dense->own += (long)n[0] * n[1] * n[2];
     }
     TRY(bed_make(&g->dense->bed, blocks));
-    TRY(blocks_make(f, 1, &g->dense->part));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->tiles->bed = b;
     make_shapes(g, b);
@@ -58,7 +57,6 @@ status tiles_bed_make(struct gas *g) {
 
 void tiles_bed_free(struct gas *g) {
     struct tiles_bed *b = g->tiles ? g->tiles->bed : NULL;
-    blocks_free(g->forest, g->dense->part);
     if (!b) return;
     blocks_free(g->forest, b->fluxes);
     free(b);
@@ -110,19 +108,10 @@ static bool beside_bed(const struct gas *g, int tile) {
     return false;
 }
 
-static void forget_rings(struct gas *g) {
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        double *part = g->dense->part[t];
-        for (long i = 0; i < g->forest->size && g->dense->holds[t]; i++)
-            part[i] = select_double(part[i] < BED_DENSE, 0, part[i]);
-    }
-}
-
 /* Dilates the dense part by three rings of neighbours. No cell is left out as uniform in a step with a bed. */
 void tiles_bed_rings(struct gas *g) {
     struct forest *f = g->forest;
     bool *holds = g->dense->holds;
-    forget_rings(g);
     for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
         forest_fill_layers(f, 1, 1, g->dense->part);
         for (int t = 0; t < f->ntiles; t++) {

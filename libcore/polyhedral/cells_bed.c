@@ -56,16 +56,12 @@ status cells_bed_make(struct gas *g) {
     TRY(bed_make(&g->dense->bed, m->nblocks));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->cells->bed = b;
-    TRY(allocate(&g->dense->part, 1, sizeof(double *), "the bed"));
-    TRY(allocate(&g->dense->part[0], m->size, sizeof(double), "the bed"));
     TRY(allocate(&b->face, m->face.n, sizeof(int), "the bed"));
     return make_shapes(g, b);
 }
 
 void cells_bed_free(struct gas *g) {
     struct cells_bed *b = g->cells ? g->cells->bed : NULL;
-    if (g->dense->part) free(g->dense->part[0]);
-    free(g->dense->part);
     if (!b) return;
     free(b->memory);
     free(b->face);
@@ -83,7 +79,6 @@ static void fill_lines(struct gas *g, int n, double *const *line) {
 void cells_bed_rings(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *part = g->dense->part[0];
-    for (int i = 0; i < m->nown; i++) part[i] = part[i] < BED_DENSE ? 0 : part[i];
     for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
         const double least = level == BED_FROZEN ? BED_DENSE : level;
         fill_lines(g, 1, g->dense->part);
@@ -91,6 +86,7 @@ void cells_bed_rings(struct gas *g) {
             if (part[i] > 0) continue;
             for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++)
                 if (part[cells_across(m, j)] > least) part[i] = level;
+            g->dense->holds[0] |= part[i] > 0;
         }
     }
     fill_lines(g, 1, g->dense->part);
