@@ -11,8 +11,9 @@
 
 #include <stdlib.h>
 
-/* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks. */
-enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, COUNTS };
+/* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks; ghosts are
+ * counted. */
+enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, GHOSTS, COUNTS };
 enum { RESULTS = 4 }; /* numbers of each block that come back */
 
 struct bed_deal {
@@ -110,6 +111,11 @@ status bed_deal_blocks(struct bed *b, int sides) {
     return OK;
 }
 
+/* Is a number that of a cell which another rank than r computes? */
+static bool is_ghost(const struct bed_deal *d, int r, int number) {
+    return number >= 0 && (number < d->work_first[r] || number >= d->work_first[r + 1]);
+}
+
 /* Lists the faces that go out, each once for every rank that computes one of its cells, and counts what goes out.
  * place[faces]: place of each face among those that its last rank gets. entry[entries]: face_of_cell by these. */
 static void list_out(struct bed *b, int *place, int *entry) {
@@ -131,6 +137,7 @@ static void list_out(struct bed *b, int *place, int *entry) {
                 place[face] = count[FACES]++;
                 d->face[faces++] = face;
                 count[OUTER] += h->kind[face] != BED_INNER;
+                count[GHOSTS] += is_ghost(d, to, h->left[face]) + is_ghost(d, to, h->right[face]);
             }
             entry[j] = listed < 0 ? ~place[face] : place[face];
         }
@@ -243,20 +250,6 @@ void bed_write(struct bed *b) {
     if (!b->home->shapes->boxes) move_geometry(b, b->home, d->face, d->geometry, true);
 }
 
-/* Counts the ends of faces that are cells of other ranks. */
-static int count_ghosts(const struct bed *b) {
-    const struct bed_deal *d = b->deal;
-    const int low = d->work_first[d->me], high = d->work_first[d->me + 1];
-    const int *from = d->lists_in;
-    int ghosts = 0;
-    for (int r = 0; r < d->ranks; r++) {
-        from += d->in[r][CELLS] + d->in[r][ENTRIES];
-        for (int k = 0; k < d->in[r][FACES]; k++, from += of_lists.of[FACES])
-            for (int i = 0; i < 2; i++) ghosts += from[i] >= 0 && (from[i] < low || from[i] >= high);
-    }
-    return ghosts;
-}
-
 /* Makes the shapes of the cells and faces of b->set. */
 static status make_geometry(struct bed *b) {
     struct bed_deal *d = b->deal;
@@ -280,7 +273,7 @@ static const int *read_face(struct bed *b, int face, int *ghosts, const int *fro
     for (int i = 0; i < 2; i++) {
         const int number = *from++;
         *side[i] = number < 0 ? -1 : number - low;
-        if (number < 0 || (number >= low && number < low + s->cells)) continue;
+        if (!is_ghost(b->deal, b->deal->me, number)) continue;
         b->deal->ghost[*ghosts] = number;
         *side[i] = s->cells + (*ghosts)++;
     }
@@ -342,7 +335,7 @@ static status make_set(struct bed *b) {
     s->blocks = sum_of(b, d->in, BLOCKS);
     s->cells = sum_of(b, d->in, CELLS);
     s->faces = sum_of(b, d->in, FACES);
-    s->ghosts = count_ghosts(b);
+    s->ghosts = sum_of(b, d->in, GHOSTS);
     TRY(bed_set_blocks(s, s->blocks));
     TRY(bed_set_size(s, b->components + 2, s->faces, sum_of(b, d->in, ENTRIES)));
     TRY(make_geometry(b));

@@ -267,6 +267,32 @@ static void derivatives_stay_beyond_sides_of_their_axis(void **state) {
     }
 }
 
+static int whole(double q) {
+    return q == absent ? -1 : (int)q;
+}
+
+static void ints_go_where_doubles_go(void **state) {
+    (void)state;
+    for (int s = 0; s < SCENES; s++) {
+        struct fixture x;
+        begin(&x, &scenes[s], 1);
+        set_cells(&x);
+        int **ints = calloc((size_t)x.f->ntiles + 1, sizeof *ints);
+        for (int t = 0; t < x.f->ntiles; t++) {
+            ints[t] = malloc((size_t)x.f->size * sizeof(int));
+            for (long i = 0; i < x.f->size; i++) ints[t][i] = whole(x.data[t][i]);
+        }
+        forest_fill_layers(x.f, 1, 1, x.data);
+        forest_fill_int(x.f, ints);
+        for (int t = 0; t < x.f->ntiles; t++) {
+            for (long i = 0; i < x.f->size; i++) assert_int_equal(ints[t][i], whole(x.data[t][i]));
+            free(ints[t]);
+        }
+        free(ints);
+        end(&x);
+    }
+}
+
 /* The list of all tiles shows what each of two ranks would have, on any number of ranks. */
 static void a_lattice_cut_in_two_is_dealt_by_halves(void **state) {
     (void)state;
@@ -565,6 +591,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ghost_layers_hold_the_cells_beyond),
         cmocka_unit_test(derivatives_stay_beyond_sides_of_their_axis),
+        cmocka_unit_test(ints_go_where_doubles_go),
         cmocka_unit_test(a_lattice_cut_in_two_is_dealt_by_halves),
         cmocka_unit_test(only_remote_tiles_wait_for_finish),
         cmocka_unit_test(tiles_cover_the_lattice),

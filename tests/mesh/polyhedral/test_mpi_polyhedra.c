@@ -203,6 +203,11 @@ static void ghosts_get_the_values_of_their_cells(void **state) {
                         fail_msg("%s: variable %d of cell %d of %d: %g", x.r->name, v, i, m->nown, data[v][i]);
         }
         for (int v = 0; v < POLYHEDRA_VARIABLES; v++) free(data[v]);
+        int *ints = malloc(((size_t)m->size + 1) * sizeof *ints);
+        for (int i = 0; i < m->size; i++) ints[i] = i < m->nown ? m->cell[i] : -i;
+        polyhedra_fill_int(m, ints);
+        for (int i = 0; i < m->size; i++) assert_int_equal(ints[i], i < m->ncells ? m->cell[i] : -i);
+        free(ints);
         end(&x);
     }
 }
