@@ -165,8 +165,8 @@ struct bed_hooks {
     /* make makes the bed (bed_make), its shapes and what the engine needs, and sets g->dense->own. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
-    /* Marks the parts around the dense cells, anew if it had done so, and writes all backgrounds of U out. Collective.
-     */
+    /* Marks the rings around the dense cells, where no cell is in a ring yet, and sets g->dense->holds. Writes all
+     * backgrounds of U out: no cell is left out as uniform in a step with a bed. Collective. */
     void (*rings)(struct gas *g);
     /* Finds the speeds of a row of U. */
     void (*speeds)(struct gas *g, const struct row *row, struct bed_speeds *out);

@@ -33,7 +33,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct row *row;             /* [rows] the bed's cells in the bed's order */
     struct dense_border *border; /* [borders] */
     int rows, borders;
-    int blocks;           /* of part and number: tiles of a lattice, or 1 */
+    int blocks;           /* tiles of a lattice; 1 on polyhedra */
     bool *holds;          /* [blocks] has the block a cell of the bed? */
     int **number;         /* [blocks][size] numbers of the bed's cells over all ranks from 1 on, else 0; ghosts too */
     struct room room;     /* the memory of row, border */
@@ -244,8 +244,8 @@ bool dense_include(struct gas *g, double rate);
 struct bed_rates dense_rates(struct gas *g, double plain);
 /* Finds the first cell that has the rate which forbids an implicit step, d->bound.rate. Collective. */
 void dense_seek(struct gas *g, double place[3]);
-/* Makes room for a new list, of so many rows of cells with so many sides, whose blocks are known, after bed.home was
- * given its blocks. s: an error that this rank has met before. Forgets the numbers. Collective. */
+/* Begins a new list, after the engine has listed the blocks of bed.home: makes room for so many rows of cells with so
+ * many sides, and forgets the numbers of cells. s: an error that this rank has met before. Collective. */
 status dense_list(struct gas *g, status s, long rows, int sides);
 /* Copy the states of the bed's cells from a state, or to it; dense_put returns the number of those not admissible. */
 void dense_take(struct gas *g, const struct state *from);
