@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Runge-Kutta stages as a part of a step, and the limiting that keeps the state admissible.
+/* The Runge-Kutta stages as a part of a step (docs/physics.md 7.2), and the limiting that keeps the state admissible.
  *
  * A stage is computed at high order. If a cell is inadmissible after it, or denser and all but packed, the cell is
  * flagged and the stage is done again with the fluxes through flagged cells' faces limited (libcore/schemes/limit.h).
