@@ -17,7 +17,7 @@ static void print_line(FILE *f, const char *name, double seconds, double all) {
 }
 
 void timing_print(const struct timing *t, const struct medium *m, FILE *f) {
-    static const char *const name[LAPS] = {"start", "plans of steps", "steps", "log", "output"};
+    static const char *const name[LAPS] = {"start", "plans of steps", "steps", "log and control", "output"};
     struct part_seconds part[PARTS_TIMED];
     const int parts = m->type->seconds ? m->type->seconds(m, part) : 0;
     double all = 0, rest = t->spent[LAP_STEP];
