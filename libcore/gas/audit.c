@@ -60,11 +60,11 @@ static status make_notes(struct gas *g, struct audit *a) {
 }
 
 status gas_audit(struct gas *g) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     if (!a) {
         TRY(gas_tally(g));
         TRY(allocate(&a, 1, sizeof *a, "the budget"));
-        g->audit = a;
+        g->books.audit = a;
         TRY(make_notes(g, a));
     }
     *a = (struct audit){.failed = a->failed, .through = a->through};
@@ -85,13 +85,13 @@ void audit_free(struct audit *a) {
 }
 
 void audit_begin(struct gas *g) {
-    if (!g->audit) return;
-    g->audit->now = g->audit->start;
-    g->audit->weight = 0;
+    if (!g->books.audit) return;
+    g->books.audit->now = g->books.audit->start;
+    g->books.audit->weight = 0;
 }
 
 void audit_mark(struct gas *g, bool back) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     if (a && back) a->now = a->mark;
     if (a) a->mark = a->now;
 }
@@ -106,14 +106,14 @@ static void note_status(struct audit *a, status e) {
 
 /* Takes the totals of a state; returns the change of energy since the last look. */
 static double look(struct gas *g, const struct state *now) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     const double before = a->now.totals[g->components + 1];
     note_status(a, state_totals(g, now, a->now.totals));
     return a->now.totals[g->components + 1] - before;
 }
 
 void audit_part(struct gas *g, enum gas_cause cause, const struct state *now) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     if (!a) return;
     a->now.gained[cause] += look(g, now) - a->weight;
     a->weight = 0;
@@ -149,7 +149,7 @@ static void beside_row(void *gas, const struct row *row) {
 /* Totals of W, which is given back the frozen cells of a bed: stages read them there, and do not write them. */
 static void totals_of_scratch(struct gas *g, const struct state *from, double totals[MAX_VAR]) {
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
-    note_status(g->audit, state_totals(g, &g->W, totals));
+    note_status(g->books.audit, state_totals(g, &g->W, totals));
     if (g->step.hybrid) (void)dense_put(g, &g->W);
 }
 
@@ -159,19 +159,19 @@ static void find_beside(struct gas *g, const struct state *s, double totals[MAX_
 }
 
 static void book_weight(struct gas *g, double work) {
-    g->audit->weight += work;
-    g->audit->now.sourced[source_gravity_row()] += work;
+    g->books.audit->weight += work;
+    g->books.audit->now.sourced[source_gravity_row()] += work;
 }
 
 /* Books the momentum that gravity gives to so much mass times time (kg s). */
 static void book_fall(struct gas *g, double mass) {
-    double *pushed = g->audit->now.pushed[source_gravity_row()];
+    double *pushed = g->books.audit->now.pushed[source_gravity_row()];
     for (int k = 0; k < g->components; k++) pushed[k] += mass * g->falling.gravity[k];
 }
 
 void audit_weight(struct gas *g, const struct state *from, double part) {
     double totals[MAX_VAR], work = 0;
-    if (!g->audit || !g->falling.cells) return;
+    if (!g->books.audit || !g->falling.cells) return;
     g->engine->state.rows(g, EACH_STATE, from, warm_row, &(struct warm){g, from});
     totals_of_scratch(g, from, totals);
     for (int k = 0; k < g->components; k++) work += part * g->falling.gravity[k] * totals[k + 1];
@@ -181,31 +181,31 @@ void audit_weight(struct gas *g, const struct state *from, double part) {
 
 void audit_rest(struct gas *g, double part) {
     double force[MAX_DIM];
-    if (!g->audit || !g->engine->tally.rest) return;
-    note_status(g->audit, g->engine->tally.rest(g, force));
-    for (int k = 0; k < g->dim; k++) g->audit->now.pushed[source_gravity_row()][k] += part * force[k];
+    if (!g->books.audit || !g->engine->tally.rest) return;
+    note_status(g->books.audit, g->engine->tally.rest(g, force));
+    for (int k = 0; k < g->dim; k++) g->books.audit->now.pushed[source_gravity_row()][k] += part * force[k];
 }
 
 void audit_dropped(struct gas *g, double part) {
     double sum = 0;
-    if (!g->audit || !g->falling.cells) return;
-    note_status(g->audit, sum_raised(g, g->falling.dropped, &sum));
+    if (!g->books.audit || !g->falling.cells) return;
+    note_status(g->books.audit, sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, part * sum);
-    note_status(g->audit, sum_raised(g, g->falling.denser, &sum));
+    note_status(g->books.audit, sum_raised(g, g->falling.denser, &sum));
     book_fall(g, part * sum);
 }
 
 void audit_bed(struct gas *g) {
     double sum = 0;
-    if (!g->audit || !g->falling.cells) return;
+    if (!g->books.audit || !g->falling.cells) return;
     g->engine->bed.spread(g, g->dense->bed.home->work, g->falling.dropped);
-    note_status(g->audit, sum_raised(g, g->falling.dropped, &sum));
+    note_status(g->books.audit, sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);
     for (int k = 0; k < g->components; k++) {
         bed_push(&g->dense->bed, g->step.dt, g->dense->kick, k);
         g->engine->bed.spread(g, g->dense->bed.home->pushed, g->falling.dropped);
-        note_status(g->audit, sum_raised(g, g->falling.dropped, &sum));
-        g->audit->now.pushed[source_gravity_row()][k] += sum;
+        note_status(g->books.audit, sum_raised(g, g->falling.dropped, &sum));
+        g->books.audit->now.pushed[source_gravity_row()][k] += sum;
     }
 }
 
@@ -220,7 +220,7 @@ static bool kicks_beside_bed(const struct gas *g, const struct source_plan *plan
  * formula. */
 void audit_sources(struct gas *g, const struct source_plan *plan, const struct state *from,
                    const struct state *scratch) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     bool pushed = false;
     if (!a) return;
     a->work = 0;
@@ -248,7 +248,7 @@ void audit_sources(struct gas *g, const struct source_plan *plan, const struct s
 
 /* Books what gravity's kick did beside a bed, whose own cells get their start back; rest: change of energy anywhere. */
 static void book_kick(struct gas *g, const struct state *now, double rest) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     double after[MAX_VAR];
     find_beside(g, now, after);
     book_weight(g, (after[g->components + 1] - a->beside[g->components + 1]) - rest);
@@ -256,7 +256,7 @@ static void book_kick(struct gas *g, const struct state *now, double rest) {
 }
 
 void audit_sourced(struct gas *g, const struct state *now) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     double before[MAX_VAR];
     if (!a) return;
     memcpy(before, a->now.totals, sizeof before);
@@ -272,9 +272,9 @@ void audit_sourced(struct gas *g, const struct state *now) {
 
 status audit_filled(struct gas *g) {
     double sum;
-    for (int k = 0; k < g->components && g->audit && g->floors.given[k]; k++) {
+    for (int k = 0; k < g->components && g->books.audit && g->floors.given[k]; k++) {
         TRY(sum_raised(g, g->floors.given[k], &sum));
-        g->audit->given[k] += sum;
+        g->books.audit->given[k] += sum;
     }
     return OK;
 }
@@ -290,11 +290,11 @@ static void leave_face(void *leaving, const struct gas_face *face) {
     const int edge = patch_is_wall(&l->g->patches.rules[face->patch]) ? GAS_WALLS : GAS_OPEN;
     for (int k = 0; k < l->g->components; k++)
         l->through[(long)(edge * l->g->components + k) * l->blocks] +=
-            l->g->tally->dt * (face->pressure[k] + face->viscous[k]);
+            l->g->books.tally->dt * (face->pressure[k] + face->viscous[k]);
 }
 
 status audit_keep(struct gas *g) {
-    struct audit *a = g->audit;
+    struct audit *a = g->books.audit;
     if (!a) return OK;
     a->start = a->now;
     for (int b = 0; b < grid_blocks(g); b++)
@@ -306,7 +306,7 @@ status audit_keep(struct gas *g) {
 
 /* Finds the momentum by cause. */
 static status find_momentum(const struct gas *g, const double totals[MAX_VAR], struct gas_budget *out) {
-    const struct audit *a = g->audit;
+    const struct audit *a = g->books.audit;
     for (int k = 0; k < g->components; k++) {
         out->momentum[k] = totals[k + 1];
         out->given[k] = a->given[k];
@@ -321,7 +321,7 @@ static status find_momentum(const struct gas *g, const double totals[MAX_VAR], s
 }
 
 status gas_budget(const struct gas *g, struct gas_budget *out) {
-    const struct audit *a = g->audit;
+    const struct audit *a = g->books.audit;
     double totals[MAX_VAR], floors[2];
     *out = (struct gas_budget){0};
     TRY(gas_totals(g, totals));

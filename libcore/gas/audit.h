@@ -21,7 +21,7 @@
 struct state;
 struct audit;
 
-/* The parts, in the order of a step. All do nothing if g->audit is NULL; collective. */
+/* The parts, in the order of a step. All do nothing if g->books.audit is NULL; collective. */
 void audit_begin(struct gas *g); /* an attempt at a step begins, from g->U */
 /* Books the change from the last look to `now` under a cause. */
 void audit_part(struct gas *g, enum gas_cause cause, const struct state *now);

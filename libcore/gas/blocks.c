@@ -103,7 +103,7 @@ void state_set(struct gas *g, bool own, const double *const U[MAX_VAR]) {
 }
 
 void limited_set(struct gas *g, const double *values) {
-    put_lines(g, true, 1, &values, g->flags.limited);
+    put_lines(g, true, 1, &values, g->limits.flags.limited);
 }
 
 void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
@@ -128,7 +128,7 @@ static void read_batch(void *reading, const struct batch *b) {
 }
 
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
-    struct lines limited = {.block = g->flags.limited, .size = g->size, .n = 1, .out = out};
+    struct lines limited = {.block = g->limits.flags.limited, .size = g->size, .n = 1, .out = out};
     double value[3];
     int n;
     (void)mesh_cells(g, block, &n);
@@ -200,7 +200,7 @@ struct summing {
  * common are added one by one, so that uniform axes change no bit. Sums beyond the n lines repeat the first. */
 static void sum_batch(void *summing, const struct batch *b) {
     struct summing *x = summing;
-    const double *line[MAX_VAR], *volume = x->g->volumes.each;
+    const double *line[MAX_VAR], *volume = x->g->blocks.volume;
     double sum[MAX_VAR];
     memcpy(sum, x->sum, sizeof sum);
     for (int v = 0; v < MAX_VAR; v++) line[v] = x->s->block[b->block] + (v < x->n ? v : 0) * x->g->size + b->first;
@@ -219,11 +219,11 @@ static status integrate(const struct gas *g, const struct state *s, bool written
     for (int b = 0; b < blocks; b++) {
         struct summing x = {.g = g, .s = s, .n = n};
         visit_block(g, b, written ? s : NULL, sum_batch, &x);
-        for (int v = 0; v < n; v++) g->volumes.sums[v * blocks + b] = x.sum[v];
+        for (int v = 0; v < n; v++) g->blocks.sums[v * blocks + b] = x.sum[v];
     }
     for (int v = 0; v < n; v++) {
-        TRY(sum_blocks(g, g->volumes.sums + v * blocks, &total[v]));
-        total[v] *= g->volumes.unit;
+        TRY(sum_blocks(g, g->blocks.sums + v * blocks, &total[v]));
+        total[v] *= g->blocks.unit;
     }
     return OK;
 }
@@ -243,10 +243,10 @@ static status sum_of_tiles(const struct gas *g, const double *raised, double *su
         double images = 1;
         g->engine->state.cells(g, b, NULL, &c);
         for (int k = 0; k < 3; k++) images *= c.step[k] ? 1 : c.n[k];
-        g->volumes.sums[b] = raised[c.block] * images;
+        g->blocks.sums[b] = raised[c.block] * images;
     }
-    TRY(sum_blocks(g, g->volumes.sums, sum));
-    *sum *= g->volumes.unit;
+    TRY(sum_blocks(g, g->blocks.sums, sum));
+    *sum *= g->blocks.unit;
     return OK;
 }
 

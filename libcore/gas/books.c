@@ -58,6 +58,6 @@ status books_keep(struct gas *g, double dt) {
 }
 
 void books_free(struct gas *g) {
-    audit_free(g->audit);
-    tally_free(g->tally);
+    audit_free(g->books.audit);
+    tally_free(g->books.tally);
 }

@@ -77,8 +77,8 @@ struct state_hooks {
      * gas_fastest_place. */
     void (*speed)(struct gas *g, struct gas_speed *speed);
     void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
-    /* Sets g->shear_rate.now to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or across;
-     * where g->shear_rate.now is not NULL. Collective. */
+    /* Sets g->diffusion.shear_rate.now to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or
+     * across; where g->diffusion.shear_rate.now is not NULL. Collective. */
     void (*shear_rate)(struct gas *g, const struct state *s);
 };
 

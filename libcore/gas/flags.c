@@ -5,24 +5,24 @@
 
 struct census { /* context of count_row */
     const struct gas *g;
-    bool note; /* is g->flags.blocks set in blocks with a flag? */
+    bool note; /* is g->limits.flags.blocks set in blocks with a flag? */
     long count;
 };
 
 static void count_row(void *census, const struct row *row) {
     struct census *c = census;
-    const double *flag = c->g->flags.cells[row->block] + row->at;
+    const double *flag = c->g->limits.flags.cells[row->block] + row->at;
     const long before = c->count;
     for (int i = 0; i < row->n; i++) c->count += flag[i] > 0;
-    if (c->note && c->count > before) c->g->flags.blocks[row->block] = true;
+    if (c->note && c->count > before) c->g->limits.flags.blocks[row->block] = true;
 }
 
 long flags_share(struct gas *g) {
     struct census own = {.g = g}, near = {.g = g, .note = true};
     g->engine->state.rows(g, EVERY_CELL, NULL, count_row, &own);
     comm_sum_long(g->comm, &own.count, 1);
-    g->engine->state.fill(g, 1, g->flags.cells);
-    memset(g->flags.blocks, 0, (size_t)g->blocks * sizeof *g->flags.blocks);
+    g->engine->state.fill(g, 1, g->limits.flags.cells);
+    memset(g->limits.flags.blocks, 0, (size_t)g->blocks.n * sizeof *g->limits.flags.blocks);
     g->engine->state.rows(g, NEAR_CELLS, NULL, count_row, &near);
     return own.count;
 }
@@ -36,11 +36,11 @@ static void note_row(void *noting, const struct row *row) {
     struct noting *c = noting;
     const struct gas *g = c->g;
     const struct polyhedra *m = g->grid ? g->grid->polyhedra : NULL;
-    for (int i = 0; i < row->n && g->flags.blocks[row->block]; i++) {
+    for (int i = 0; i < row->n && g->limits.flags.blocks[row->block]; i++) {
         const long at = row->at + i;
         double here[3] = {0, 0, 0};
-        if (g->flags.cells[row->block][at] == 0) continue;
-        g->flags.limited[row->block][at] += 1;
+        if (g->limits.flags.cells[row->block][at] == 0) continue;
+        g->limits.flags.limited[row->block][at] += 1;
         for (int k = 0; m && k < g->dim; k++) here[m->axis[k]] = m->centre[k][at];
         if (!m) g->engine->state.place(g, row->block, at, here);
         first_place_offer(&c->first, here);
@@ -54,22 +54,22 @@ void flags_note(struct gas *g, double place[3]) {
 }
 
 void flags_hold(struct gas *g, bool back) {
-    double **limited = g->flags.limited, **kept = g->flags.kept;
-    for (int b = 0; b < g->blocks; b++)
+    double **limited = g->limits.flags.limited, **kept = g->limits.flags.kept;
+    for (int b = 0; b < g->blocks.n; b++)
         memcpy((back ? limited : kept)[b], (back ? kept : limited)[b], (size_t)g->size * sizeof(double));
 }
 
 void flags_clear(struct gas *g) {
-    for (int b = 0; b < g->blocks; b++) memset(g->flags.cells[b], 0, (size_t)g->size * sizeof(double));
-    memset(g->flags.blocks, 0, (size_t)g->blocks * sizeof *g->flags.blocks);
+    for (int b = 0; b < g->blocks.n; b++) memset(g->limits.flags.cells[b], 0, (size_t)g->size * sizeof(double));
+    memset(g->limits.flags.blocks, 0, (size_t)g->blocks.n * sizeof *g->limits.flags.blocks);
 }
 
 long flags_of_marks(struct gas *g, bool keep) {
-    for (int b = 0; b < g->blocks && g->flags.marked; b++) {
-        for (long i = 0; keep && i < g->size; i++) g->flags.cells[b][i] += g->flags.mark[b][i];
-        memset(g->flags.mark[b], 0, (size_t)g->size * sizeof(double));
+    for (int b = 0; b < g->blocks.n && g->limits.flags.marked; b++) {
+        for (long i = 0; keep && i < g->size; i++) g->limits.flags.cells[b][i] += g->limits.flags.mark[b][i];
+        memset(g->limits.flags.mark[b], 0, (size_t)g->size * sizeof(double));
     }
-    g->flags.marked = false;
+    g->limits.flags.marked = false;
     if (!keep) return 0;
     const long flagged = flags_share(g);
     g->engine->diffusion.plain(g);

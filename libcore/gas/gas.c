@@ -13,8 +13,8 @@ enum { LINES = 9 };
 static void list_lines(struct gas *g, struct lines out[LINES]) {
     const bool falls = source_falls(&g->models.source, g->components), diffuses = g->models.transport != NULL;
     const struct lines all[LINES] = {
-        {&g->flags.cells, true},          {&g->flags.limited, true},
-        {&g->flags.kept, true},           {&g->flags.mark, diffuses},
+        {&g->limits.flags.cells, true},   {&g->limits.flags.limited, true},
+        {&g->limits.flags.kept, true},    {&g->limits.flags.mark, diffuses},
         {&g->diffusion.warm, diffuses},   {&g->diffusion.friction, diffuses},
         {&g->diffusion.cooled, diffuses}, {&g->diffusion.dilation, g->diffusion.terms.dilation},
         {&g->falling.cells, falls}};
@@ -22,13 +22,13 @@ static void list_lines(struct gas *g, struct lines out[LINES]) {
 }
 
 status line_make(const struct gas *g, double ***out) {
-    TRY(allocate(out, g->blocks, sizeof **out, "the gas"));
-    for (int b = 0; b < g->blocks; b++) TRY(allocate(&(*out)[b], g->size + SLACK, sizeof(double), "the gas"));
+    TRY(allocate(out, g->blocks.n, sizeof **out, "the gas"));
+    for (int b = 0; b < g->blocks.n; b++) TRY(allocate(&(*out)[b], g->size + SLACK, sizeof(double), "the gas"));
     return OK;
 }
 
 void line_free(const struct gas *g, double **line) {
-    for (int b = 0; line && b < g->blocks; b++) free(line[b]);
+    for (int b = 0; line && b < g->blocks.n; b++) free(line[b]);
     free(line);
 }
 
@@ -37,10 +37,10 @@ static status make_lines(struct gas *g) {
     list_lines(g, l);
     for (int i = 0; i < LINES; i++)
         if (l[i].wanted) TRY(line_make(g, l[i].line));
-    TRY(allocate(&g->flags.blocks, g->blocks, sizeof *g->flags.blocks, "the gas"));
-    TRY(allocate(&g->volumes.sums, (long)g->nvar * grid_blocks(g), sizeof *g->volumes.sums, "the gas"));
+    TRY(allocate(&g->limits.flags.blocks, g->blocks.n, sizeof *g->limits.flags.blocks, "the gas"));
+    TRY(allocate(&g->blocks.sums, (long)g->nvar * grid_blocks(g), sizeof *g->blocks.sums, "the gas"));
     if (g->falling.cells) TRY(allocate(&g->falling.dropped, g->floors.places, sizeof *g->falling.dropped, "the gas"));
-    if (g->falling.cells) TRY(allocate(&g->falling.blocks, g->blocks, sizeof *g->falling.blocks, "the gas"));
+    if (g->falling.cells) TRY(allocate(&g->falling.blocks, g->blocks.n, sizeof *g->falling.blocks, "the gas"));
     return floors_make(g);
 }
 
@@ -48,8 +48,8 @@ static void free_lines(struct gas *g) {
     struct lines l[LINES];
     list_lines(g, l);
     for (int i = 0; i < LINES; i++) line_free(g, *l[i].line);
-    free(g->flags.blocks);
-    free(g->volumes.sums);
+    free(g->limits.flags.blocks);
+    free(g->blocks.sums);
     free(g->falling.dropped);
     free(g->falling.blocks);
     floors_free(g);
@@ -89,10 +89,9 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .dim = f->dim,
                           .components = models->components,
                           .counts = {.images = f->images},
-                          .blocks = f->ntiles,
                           .size = f->size,
                           .floors = {.places = f->ntiles},
-                          .volumes = {.unit = f->volume},
+                          .blocks = {.n = f->ntiles, .unit = f->volume},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -106,10 +105,9 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .dim = grid->dim,
                           .components = models->components,
                           .counts = {.images = 1},
-                          .blocks = 1,
                           .size = grid->polyhedra->size,
                           .floors = {.places = grid->polyhedra->nown, .step = 1},
-                          .volumes = {grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
+                          .blocks = {1, grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);

@@ -78,13 +78,6 @@ struct floors {      /* what floors and gravity added in this attempt at a step 
     double *given[MAX_DIM]; /* [places] momentum per m^3 of that mass; NULL without a budget */
 };
 
-struct limits { /* of admissible states, and the limiting of fluxes that keeps to them (libcore/schemes/limit.h) */
-    double least, most; /* least < rho < most; least is 0, or the density floor less round-off */
-    bool crowds;        /* are crowded cells limited (find_crowded)? no, if the gas may collapse: it packs by itself */
-    const struct reconstruct *first_order; /* of the fluxes that limiting moves towards */
-    long faces;                            /* faces limited in the last redo, on this rank */
-};
-
 struct limit_flags {  /* of cells whose faces are to be limited (libcore/gas/flags.c) */
     double **cells;   /* [blocks][size] > 0 where they are (numbers travel like variables) */
     bool *blocks;     /* [blocks] does the block, or its ghosts that are NEAR_CELLS, hold a flag? */
@@ -92,6 +85,14 @@ struct limit_flags {  /* of cells whose faces are to be limited (libcore/gas/fla
     double **kept;    /* as limited, before the step in hand */
     double **mark;    /* [blocks][size] > 0 in cells that diffusion left inadmissible */
     bool marked;      /* is any mark up? */
+};
+
+struct limits { /* of admissible states, and the limiting of fluxes that keeps to them (libcore/schemes/limit.h) */
+    double least, most; /* least < rho < most; least is 0, or the density floor less round-off */
+    bool crowds;        /* are crowded cells limited (find_crowded)? no, if the gas may collapse: it packs by itself */
+    const struct reconstruct *first_order; /* of the fluxes that limiting moves towards */
+    long faces;                            /* faces limited in the last redo, on this rank */
+    struct limit_flags flags;
 };
 
 struct patches {
@@ -118,6 +119,12 @@ struct stiff { /* the diffusion that an attempt at a step refused; the same on a
     double stages;   /* that it would take, at least; 0 if diffusion is implicit */
     double place[3]; /* m: of a cell that has that rate */
 };
+/* What laws ask for (libcore/gas/shear_rate.c); NULL if none does. */
+struct shear_rate {
+    double **now;  /* [blocks][size] 1/s, of the state that was seen last */
+    double **rise; /* [blocks][size] the factor by which it rose over the first half of diffusion */
+};
+
 struct half_diffusion {           /* the half step of diffusion in hand; with transport */
     struct transport_terms terms; /* what the transport law asks for */
     double pull[MAX_DIM];         /* m/s^2: mean acceleration by the sources */
@@ -132,6 +139,7 @@ struct half_diffusion {           /* the half step of diffusion in hand; with tr
     struct implicit *implicit; /* NULL: diffusion is explicit */
     int unasked;               /* stages since the ranks last asked each other whether to leave the step */
     struct stiff stiff;
+    struct shear_rate shear_rate; /* for laws of transport and cooling */
 };
 
 struct stepping {           /* the step in hand and those before it (libcore/step/step.c) */
@@ -148,16 +156,16 @@ struct stepping {           /* the step in hand and those before it (libcore/ste
     bool held;               /* is a copy of the field `limited` kept, from before it? */
 };
 
-/* What laws ask for (libcore/gas/shear_rate.c); NULL if none does. */
-struct shear_rate {
-    double **now;  /* [blocks][size] 1/s, of the state that was seen last */
-    double **rise; /* [blocks][size] the factor by which it rose over the first half of diffusion */
+struct blocks {           /* of the state, and sums over them (libcore/gas/blocks.c) */
+    int n;                /* tiles, or 1 */
+    const double *volume; /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
+    double unit;          /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
+    double *sums;         /* [nvar][blocks of the grid] scratch */
 };
 
-struct volumes {        /* of the cells, and sums over them (libcore/gas/blocks.c) */
-    const double *each; /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
-    double unit;        /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
-    double *sums;       /* [nvar][blocks of the grid] scratch */
+struct books {           /* what a step is booked in (libcore/gas/books.c) */
+    struct audit *audit; /* the budget; NULL: none is kept */
+    struct tally *tally; /* fluxes through patches; NULL: they are not kept */
 };
 
 struct gas {
@@ -171,27 +179,23 @@ struct gas {
     int dim;
     int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
     int nvar;       /* components + 2: rho, rho u, E */
-    int blocks;     /* of the state: tiles, or 1 */
     long size;      /* numbers in a line of a block: the distance from one variable to the next */
 
     struct state U;    /* the state between steps */
     struct state U0;   /* after the first half of the sources: the start of the Runge-Kutta step */
     struct state V, W; /* results of stages, and scratch */
 
-    struct volumes volumes;
+    struct blocks blocks;
     struct patches patches;
     struct stepping step;
     struct limits limits;
-    struct limit_flags flags;
     struct floors floors;
     struct falling falling;
     struct half_diffusion diffusion;
-    struct shear_rate shear_rate;
 
     struct dense *dense; /* implicit acoustics; NULL: there are none */
     struct counting counts;
-    struct audit *audit; /* the budget; NULL: none is kept */
-    struct tally *tally; /* fluxes through patches; NULL: they are not kept */
+    struct books books;
 };
 
 /* Sets g->step.speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
@@ -407,7 +411,7 @@ void diffusion_sees(struct gas *g, const struct state *s);
 void diffusion_looks_ahead(struct gas *g, const struct state *to);
 /* The line of the cells from `at` on; NULL if a law of these needs does not ask for it. */
 static inline const double *shear_rate_at(const struct gas *g, unsigned needs, int block, long at) {
-    return needs & NEEDS_SHEAR_RATE ? g->shear_rate.now[block] + at : NULL;
+    return needs & NEEDS_SHEAR_RATE ? g->diffusion.shear_rate.now[block] + at : NULL;
 }
 /* Computes the shear rate of n <= BATCH cells; gradient: lines du_c/dx_k, at k components + c. */
 void shear_rate_row(const struct gas *g, int n, const double *const *gradient, double *out);

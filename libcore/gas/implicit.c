@@ -163,7 +163,7 @@ static status make_links(const struct gas *g, struct links *out) {
     status s = first_number(g, l.cells, &first);
     if (!s) s = allocate(&out->first, l.cells + 1, sizeof(int), "the links of cells");
     if (!s) s = allocate(&out->column, l.cells + l.links, sizeof(int), "the links of cells");
-    for (int b = 0; b < g->blocks; b++)
+    for (int b = 0; b < g->blocks.n; b++)
         for (long i = 0; i < g->size; i++) l.number[b][i] += (double)first;
     g->engine->state.fill(g, 1, l.number);
     if (!s) g->engine->state.rows(g, EVERY_CELL, NULL, link_row, &l);
@@ -302,7 +302,7 @@ static void matrix_row(void *weighing, const struct row *row) {
     const double *U = w->p->Y0->block[row->block];
     for (int i = 0; i < row->n; i++) {
         const long at = row->at + i;
-        const double volume = g->volumes.each ? g->volumes.each[at] : 1;
+        const double volume = g->blocks.volume ? g->blocks.volume[at] : 1;
         *w->energy++ = volume * U[(g->components + 1) * g->size + at];
         *w->mass = volume * U[at];
         weigh_cell(w, row->block, at, *w->mass++);

@@ -219,11 +219,13 @@ int row_limited(const struct gas *g, int n, const double *from, const double *to
 
 void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double rest,
                double *const *q) {
-    const double *friction = g->diffusion.friction[row->block] + row->at, *cooled = g->diffusion.cooled[row->block] + row->at;
+    const double *friction = g->diffusion.friction[row->block] + row->at,
+                 *cooled = g->diffusion.cooled[row->block] + row->at;
     double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     velocity_row(row->n, g->components, g->size, Y0->block[row->block] + row->at, what == VISCOUS ? q : u, eps);
     for (int i = 0; i < row->n && what == HEAT; i++)
-        q[0][i] = temperature_of(&g->models.material, eps[i]) - rest * friction[i] - (g->diffusion.late ? cooled[i] : 0);
+        q[0][i] =
+            temperature_of(&g->models.material, eps[i]) - rest * friction[i] - (g->diffusion.late ? cooled[i] : 0);
 }
 
 KERNEL static void moved_line(int n, double factor, const double *restrict from, const double *restrict M,
@@ -244,8 +246,8 @@ int move_row(struct gas *g, const struct moved *m) {
         if (changes || m->to != m->from)
             memcpy(m->to + v * g->size + m->row.at, changes ? moved : from, (size_t)n * sizeof(double));
     }
-    const int bad = row_inadmissible(g, m->to, m->row.at, n, g->flags.mark[m->row.block]);
-    g->flags.marked |= bad > 0;
+    const int bad = row_inadmissible(g, m->to, m->row.at, n, g->limits.flags.mark[m->row.block]);
+    g->limits.flags.marked |= bad > 0;
     return bad;
 }
 
@@ -362,7 +364,7 @@ void source_row(void *half_step, const struct row *row) {
 
 long sources_apply(struct gas *g, const struct source_plan *plan, const struct state *from, const struct state *to) {
     struct half_step h = {.g = g, .from = from, .to = to, .plan = plan};
-    if (sources_ask(g)) h.shear_rate = g->shear_rate.now;
+    if (sources_ask(g)) h.shear_rate = g->diffusion.shear_rate.now;
     g->engine->state.rows(g, EACH_STATE, from, source_row, &h);
     if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, to);
     return h.bad;

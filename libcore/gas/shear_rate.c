@@ -31,12 +31,12 @@ bool needs_shear_rate(const struct gas_models *m) {
 
 status shear_rate_make(struct gas *g) {
     if (!needs_shear_rate(&g->models)) return OK;
-    TRY(make_lines(g, &g->shear_rate.now));
-    return g->models.transport ? make_lines(g, &g->shear_rate.rise) : OK;
+    TRY(make_lines(g, &g->diffusion.shear_rate.now));
+    return g->models.transport ? make_lines(g, &g->diffusion.shear_rate.rise) : OK;
 }
 
 void shear_rate_free(struct gas *g) {
-    double **lines[] = {g->shear_rate.now, g->shear_rate.rise};
+    double **lines[] = {g->diffusion.shear_rate.now, g->diffusion.shear_rate.rise};
     for (int i = 0; i < 2; i++) {
         for (int b = 0; lines[i] && b < blocks_of(g); b++) free(lines[i][b]);
         free(lines[i]);
@@ -55,18 +55,18 @@ void diffusion_sees(struct gas *g, const struct state *s) {
     if (!transport_asks(g)) return;
     g->engine->state.shear_rate(g, s);
     for (int b = 0; b < blocks_of(g) && g->diffusion.ahead; b++)
-        for (long i = 0; i < g->size; i++) g->shear_rate.now[b][i] *= g->shear_rate.rise[b][i];
+        for (long i = 0; i < g->size; i++) g->diffusion.shear_rate.now[b][i] *= g->diffusion.shear_rate.rise[b][i];
 }
 
 void diffusion_looks_ahead(struct gas *g, const struct state *to) {
     if (!transport_asks(g)) return;
-    double **before = g->shear_rate.now;
-    g->shear_rate.now = g->shear_rate.rise;
-    g->shear_rate.rise = before;
+    double **before = g->diffusion.shear_rate.now;
+    g->diffusion.shear_rate.now = g->diffusion.shear_rate.rise;
+    g->diffusion.shear_rate.rise = before;
     g->engine->state.shear_rate(g, to);
     for (int b = 0; b < blocks_of(g); b++)
         for (long i = 0; i < g->size; i++) {
-            const double rise = (g->shear_rate.now[b][i] + NO_SHEAR) / (before[b][i] + NO_SHEAR);
+            const double rise = (g->diffusion.shear_rate.now[b][i] + NO_SHEAR) / (before[b][i] + NO_SHEAR);
             before[b][i] = smaller(larger(rise, 1 / MOST_RISE), MOST_RISE);
         }
 }

@@ -27,14 +27,14 @@ static status make(struct gas *g, struct tally *t) {
 
 status gas_tally(struct gas *g) {
     struct tally *t = NULL;
-    if (g->tally) return OK;
+    if (g->books.tally) return OK;
     status s = allocate(&t, 1, sizeof *t, "the fluxes through patches");
     if (!s) s = make(g, t);
     s = comm_agree(g->comm, s);
     if (s)
         tally_free(t);
     else
-        g->tally = t;
+        g->books.tally = t;
     return s;
 }
 
@@ -48,11 +48,11 @@ void tally_free(struct tally *t) {
 }
 
 static void copy_lines(const struct gas *g, double *const *from, double *const *to) {
-    for (int v = 0; v < g->nvar && from[0]; v++) memcpy(to[v], from[v], (size_t)g->tally->faces * sizeof(double));
+    for (int v = 0; v < g->nvar && from[0]; v++) memcpy(to[v], from[v], (size_t)g->books.tally->faces * sizeof(double));
 }
 
 void tally_begin(struct gas *g) {
-    const struct tally *t = g->tally;
+    const struct tally *t = g->books.tally;
     if (!t) return;
     for (int v = 0; v < g->nvar; v++) {
         memset(t->flow[v], 0, (size_t)t->faces * sizeof(double));
@@ -65,30 +65,30 @@ void tally_add(const struct tally *t, double weight, const double *flux, double 
 }
 
 void tally_stage(struct gas *g, double weight) {
-    const struct tally *t = g->tally;
+    const struct tally *t = g->books.tally;
     if (!t) return;
     for (int v = 0; v < g->nvar; v++) tally_add(t, weight, t->stage[v], t->flow[v]);
     if (g->engine->tally.still) g->engine->tally.still(g, weight);
 }
 
 void tally_bed(struct gas *g, double dt) {
-    if (g->tally) g->engine->tally.bed(g, dt);
+    if (g->books.tally) g->engine->tally.bed(g, dt);
 }
 
 void tally_mark(struct gas *g, bool back) {
-    const struct tally *t = g->tally;
+    const struct tally *t = g->books.tally;
     if (t) copy_lines(g, back ? t->mark : t->passed, back ? t->passed : t->mark);
 }
 
 void tally_mark_heat(struct gas *g, bool back) {
-    const struct tally *t = g->tally;
+    const struct tally *t = g->books.tally;
     if (!t) return;
     double *const heat = t->passed[g->nvar - 1];
     memcpy(back ? heat : t->warm, back ? t->warm : heat, (size_t)t->faces * sizeof(double));
 }
 
 void tally_keep(struct gas *g, double dt) {
-    struct tally *t = g->tally;
+    struct tally *t = g->books.tally;
     if (!t) return;
     copy_lines(g, t->flow, t->last[0]);
     copy_lines(g, t->passed, t->last[1]);
@@ -96,7 +96,7 @@ void tally_keep(struct gas *g, double dt) {
 }
 
 void tally_face(const struct gas *g, int i, double scale, struct gas_face *out) {
-    const struct tally *t = g->tally;
+    const struct tally *t = g->books.tally;
     const double per = t->dt > 0 ? scale / t->dt : 0;
     out->mass = per * t->last[0][0][i];
     for (int k = 0; k < g->components; k++) {
@@ -109,9 +109,9 @@ void tally_face(const struct gas *g, int i, double scale, struct gas_face *out) 
 }
 
 double gas_tally_step(const struct gas *g) {
-    return g->tally ? g->tally->dt : 0;
+    return g->books.tally ? g->books.tally->dt : 0;
 }
 
 void gas_tally_faces(const struct gas *g, int block, gas_face_visitor *visit, void *context) {
-    if (g->tally) g->engine->tally.visit(g, block, visit, context);
+    if (g->books.tally) g->engine->tally.visit(g, block, visit, context);
 }

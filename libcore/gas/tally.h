@@ -40,7 +40,7 @@ struct tally_hooks {
     status (*rest)(const struct gas *g, double force[MAX_DIM]);
 };
 
-/* The parts, in the order of a step. All do nothing if g->tally is NULL. */
+/* The parts, in the order of a step. All do nothing if g->books.tally is NULL. */
 void tally_begin(struct gas *g); /* an attempt at a step begins */
 void tally_stage(struct gas *g, double weight);
 void tally_bed(struct gas *g, double dt);

@@ -309,7 +309,7 @@ static struct span spread_row(const struct gas *g, const struct tile *t, struct 
 bool activity_calm(const struct gas *g, int tile, const struct state *U0, const struct state *from) {
     const int *n = g->forest->tile[tile].n;
     const struct layers all = {.high = {n[0], n[1], n[2]}};
-    if (tiles_hold_bed(g, tile) || g->flags.blocks[tile]) return false;
+    if (tiles_hold_bed(g, tile) || g->limits.flags.blocks[tile]) return false;
     for (int side = 0; side < 2 * g->dim; side++)
         if (!g->tiles->activity.quiet[6 * tile + side]) return false;
     return layers_calm(g, from, tile, all) && layers_calm(g, U0, tile, all);
@@ -319,8 +319,8 @@ bool activity_spread(struct gas *g, int tile, const struct state *U0, const stru
     const struct tile *t = &g->forest->tile[tile];
     struct activity *a = &g->tiles->activity;
     const bool bed = tiles_hold_bed(g, tile);
-    bool any = false, all = bed || g->flags.blocks[tile] || !has_background(g, t, from->varied[tile]);
-    a->whole = all && !bed && !g->flags.blocks[tile];
+    bool any = false, all = bed || g->limits.flags.blocks[tile] || !has_background(g, t, from->varied[tile]);
+    a->whole = all && !bed && !g->limits.flags.blocks[tile];
     if (!all) find_differ(g, tile, from);
     for (int k = 0; k < t->n[2]; k++)
         for (int j = 0; j < t->n[1]; j++) {

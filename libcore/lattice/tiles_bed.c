@@ -307,7 +307,7 @@ void tiles_tally_bed(struct gas *g, double dt) {
         const int to = tiles_tally_place(g, b->block, 2 * bed->shape[b->face] + high, b->inside);
         for (int v = 0; v < g->nvar; v++) {
             const double flux = bed->kept[v][b->face];
-            g->tally->flow[v][to] = high ? dt * flux : -dt * flux;
+            g->books.tally->flow[v][to] = high ? dt * flux : -dt * flux;
         }
     }
 }

@@ -211,7 +211,7 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
                               plain ? keep + 2 * size + top : NULL, (i ? here : outer[0]) + EDGE,
                               (i ? outer[1] : here) + EDGE, s->S + top, z[i]);
             }
-            if (ends && s->g->tally) note_sides(s, j, k, x[0], low[0], high[0], z[0][0], z[1][0]);
+            if (ends && s->g->books.tally) note_sides(s, j, k, x[0], low[0], high[0], z[0][0], z[1][0]);
             for (int v = 0; v < lines; v++)
                 if (ends)
                     gain_row(vectors, dim, x[v], low[v], high[v], z[0][v], z[1][v], M[v]);
@@ -285,7 +285,7 @@ static void slide_edge(struct gas *g, int tile, const struct edge *e, const void
         const double gain =
             wall[STAYS * size + beyond] * shear[face + i * e->step] * a * (1 - 0.5 * a) * square / ending->dt;
         g->tiles->work.p[at] += gain;
-        if (g->tally) tiles_tally_friction(g, tile, e, i, gain);
+        if (g->books.tally) tiles_tally_friction(g, tile, e, i, gain);
     }
 }
 
@@ -312,7 +312,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     const struct ending_sums ending = {weight, dt};
     long bad = 0;
     tiles_fill_sums(g, what, weight);
-    if (g->tally && what == HEAT) tiles_tally_heat(g);
+    if (g->books.tally && what == HEAT) tiles_tally_heat(g);
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct sweep s = {.g = g, .what = what, .tile = t, .Y0 = Y0->block[t], .to = to->block[t], .dt = dt};
         s.E = energy_of(g, what, t, Y0->block[t], &ending);
@@ -326,7 +326,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
  * their heat flux. */
 static void plain_faces(struct gas *g, int tile) {
     const struct forest *f = g->forest;
-    const double *flag = g->flags.cells[tile];
+    const double *flag = g->limits.flags.cells[tile];
     for (int axis = 0; axis < g->dim; axis++) {
         double *keep = g->tiles->diffuser->keep[tile] + axis * f->size;
         double *cross = g->diffusion.terms.cross ? g->tiles->diffuser->cross[tile] + axis * f->size : NULL;

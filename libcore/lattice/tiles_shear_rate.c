@@ -50,7 +50,7 @@ static void tile_shear_rate(struct gas *g, int tile, double *out) {
 }
 
 static void rate_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
-    double *rate = g->shear_rate.now[tile];
+    double *rate = g->diffusion.shear_rate.now[tile];
     (void)context;
     for (int i = 0; i < e->n; i++) rate[e->to + i * e->step] = rate[e->from + i * e->step];
 }
@@ -62,8 +62,8 @@ void tiles_shear_rate(struct gas *g, const struct state *s) {
         ghosts_of_patches(g, t, s->block[t], 1, NULL);
         runs_visit(f, &f->tile[t], 1, velocity_visit, &(struct velocities){g, s->block[t]});
         edges_visit(g, t, velocity_edge, NULL);
-        tile_shear_rate(g, t, g->shear_rate.now[t]);
+        tile_shear_rate(g, t, g->diffusion.shear_rate.now[t]);
     }
-    forest_fill_layers(g->forest, 1, 1, g->shear_rate.now);
+    forest_fill_layers(g->forest, 1, 1, g->diffusion.shear_rate.now);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, rate_edge, NULL);
 }

@@ -109,7 +109,7 @@ static void limit_flagged(struct gas *g, const double *U, const struct strip *s,
     double limited[MAX_VAR][BATCH], theta[BATCH];
     struct faces f;
     make_faces(g, U, s, limited, 0, &f);
-    const double *flag = g->flags.cells[s->tile] + s->offset;
+    const double *flag = g->limits.flags.cells[s->tile] + s->offset;
     bool any = false;
     for (int i = 0; i < s->n; i++) any |= flag[i] + flag[i + f.stride] > 0;
     if (!any) return;
@@ -181,10 +181,10 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     if (voids_find(g, U, s, flat)) f.flat = flat;
     through(g, s, &f, g->models.reconstruct);
     if (g->models.material.threshold > 0) flatten_packed(g, U, s, f.flat, out, column);
-    if (g->flags.blocks[s->tile]) limit_flagged(g, U, s, out, column);
+    if (g->limits.flags.blocks[s->tile]) limit_flagged(g, U, s, out, column);
     if (g->patches.fed) tiles_feed(g, U, s, out, column);
     if (tiles_hold_bed(g, s->tile)) tiles_note_fluxes(g, s, out, column);
-    if (g->tally) tiles_tally(g, s, out, column);
+    if (g->books.tally) tiles_tally(g, s, out, column);
 }
 
 /* The lines of the faces below and above the cells of a row along an axis: variable v at low[v], high[v]. */
@@ -470,9 +470,10 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
                             .U0 = U0->block[tile],
                             .from = from->block[tile],
                             .to = to->block[tile],
-                            .flag = g->flags.cells[tile],
+                            .flag = g->limits.flags.cells[tile],
                             .falls = g->falling.cells && g->falling.blocks[tile] ? g->falling.cells[tile] : NULL,
-                            .dropped = g->falling.dropped && g->flags.blocks[tile] ? &g->falling.dropped[tile] : NULL,
+                            .dropped =
+                                g->falling.dropped && g->limits.flags.blocks[tile] ? &g->falling.dropped[tile] : NULL,
                             .a = a,
                             .dt = dt,
                             .tile = tile};
@@ -485,7 +486,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
     struct activity *active = &g->tiles->activity;
     if (g->models.flux->paced) set_paces(g);
     if (g->falling.cells) balance_walls(g, tile, &sweep.pass.walls);
-    if (g->tally) tiles_tally_begin(g, tile, from->block[tile]);
+    if (g->books.tally) tiles_tally_begin(g, tile, from->block[tile]);
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);

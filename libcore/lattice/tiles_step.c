@@ -7,7 +7,7 @@ void tiles_redo(struct gas *g, const struct state *U0, const struct state *from,
     g->limits.faces = 0;
     drop_begin(g);
     for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->flags.blocks[t]) {
+        if (g->limits.flags.blocks[t]) {
             to->calm[t] = false;
             (void)stage_of_tile(g, t, U0, from, to, a, dt);
         }
@@ -62,7 +62,7 @@ static void settle_tile(struct gas *g, int tile, const struct state *U0, const s
         for (int v = 0; v < g->nvar; v++) last->to[v] = s.to[v * g->size];
     }
     for (int v = 0; v < g->nvar; v++) s.to[v * g->size] = last->to[v];
-    if (g->tally) tiles_tally_begin(g, tile, s.from);
+    if (g->books.tally) tiles_tally_begin(g, tile, s.from);
     activity_empty(g, tile, to);
     g->counts.all += (long)n[0] * n[1] * n[2];
 }

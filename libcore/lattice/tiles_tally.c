@@ -19,13 +19,13 @@ status tiles_tally_make(const struct gas *g, struct tally *t) {
 }
 
 int tiles_tally_place(const struct gas *g, int tile, int side, long offset) {
-    return g->tally->first[6 * tile + side] + face_at_side(g->forest, tile, side, offset);
+    return g->books.tally->first[6 * tile + side] + face_at_side(g->forest, tile, side, offset);
 }
 
 /* The place in the lines of the first face of an edge. */
 static int place_of(const struct gas *g, int tile, const struct edge *e) {
     const int side = 2 * e->normal + (e->to > e->from);
-    return g->tally->first[6 * tile + side] + (int)(e->face - g->forest->tile[tile].side[side].face);
+    return g->books.tally->first[6 * tile + side] + (int)(e->face - g->forest->tile[tile].side[side].face);
 }
 
 void tiles_tally_begin(struct gas *g, int tile, const double *U) {
@@ -34,12 +34,12 @@ void tiles_tally_begin(struct gas *g, int tile, const double *U) {
     const int *n = f->tile[tile].n;
     primitives_of_row(g, U, 0, 1);
     for (int side = 0; side < 2 * g->dim; side++) {
-        const int axis = side / 2, first = g->tally->first[6 * tile + side];
+        const int axis = side / 2, first = g->books.tally->first[6 * tile + side];
         const double u = w->velocity[axis][0], p = w->p[0];
         for (int v = 0; v < g->nvar && first >= 0; v++) {
             double flux = U[v * f->size] * u + (v == axis + 1 ? p : v == g->nvar - 1 ? p * u : 0);
             if (side % 2 == 0) flux = -flux;
-            for (int i = 0; i < n[0] * n[1] * n[2] / n[axis]; i++) g->tally->stage[v][first + i] = flux;
+            for (int i = 0; i < n[0] * n[1] * n[2] / n[axis]; i++) g->books.tally->stage[v][first + i] = flux;
         }
     }
 }
@@ -48,7 +48,7 @@ void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int
     struct edge e;
     for (int high = 0, first; high < 2; high++) {
         if (!edge_of_strip(g, s, high, &e, &first)) continue;
-        double *const *to = g->tally->stage;
+        double *const *to = g->books.tally->stage;
         const int place = place_of(g, s->tile, &e), from = column + first;
         for (int v = 0; v < g->nvar; v++)
             for (int i = 0; i < e.n; i++) to[v][place + i] = high ? out[v][from + i] : -out[v][from + i];
@@ -57,16 +57,16 @@ void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int
 
 void tiles_tally_stress(struct gas *g, int tile, int side, long inner, int n, double per, const double *lines,
                         int length) {
-    if (g->tally->first[6 * tile + side] < 0) return;
+    if (g->books.tally->first[6 * tile + side] < 0) return;
     const int to = tiles_tally_place(g, tile, side, inner);
     const double h = side % 2 ? -g->forest->width[side / 2] : g->forest->width[side / 2];
     for (int v = 0; v <= g->components; v++)
         for (int i = 0; i < n; i++)
-            g->tally->passed[v][to + i] += (v < g->components ? h : per * h) * lines[v * length + i];
+            g->books.tally->passed[v][to + i] += (v < g->components ? h : per * h) * lines[v * length + i];
 }
 
 void tiles_tally_friction(struct gas *g, int tile, const struct edge *e, int i, double gain) {
-    g->tally->passed[g->nvar - 2][place_of(g, tile, e) + i] -= g->forest->width[e->normal] * gain;
+    g->books.tally->passed[g->nvar - 2][place_of(g, tile, e) + i] -= g->forest->width[e->normal] * gain;
 }
 
 /* Adds what a line at the faces below cells, times `per`, brings to the cells beside patches. */
@@ -74,7 +74,7 @@ static void add_heat(struct gas *g, int tile, const struct edge *e, double per, 
     const bool high = e->to > e->from;
     const double h = g->forest->width[e->normal];
     const int to = place_of(g, tile, e);
-    for (int i = 0; i < e->n; i++) g->tally->passed[g->nvar - 1][to + i] += (high ? -per * h : per * h) * gain[i];
+    for (int i = 0; i < e->n; i++) g->books.tally->passed[g->nvar - 1][to + i] += (high ? -per * h : per * h) * gain[i];
 }
 
 static void heat_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
@@ -113,7 +113,7 @@ static void visit_side(const struct gas *g, const struct forest_block *b, int si
     const struct forest *f = g->forest;
     const struct tile *t = &f->tile[b->tile];
     const int axis = side / 2, across = side < 2 ? 1 : 0, deep = side < 4 ? 2 : 1;
-    const int first = g->tally->first[6 * b->tile + side];
+    const int first = g->books.tally->first[6 * b->tile + side];
     const double area = f->volume / f->width[axis];
     struct gas_face face = {.patch = t->side[side].patch, .area = area};
     face.normal[axis] = side % 2 ? 1 : -1;
@@ -132,5 +132,5 @@ static void visit_side(const struct gas *g, const struct forest_block *b, int si
 void tiles_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context) {
     const struct forest_block *b = &g->forest->block[block];
     for (int side = 0; side < 2 * g->dim; side++)
-        if (g->tally->first[6 * b->tile + side] >= 0) visit_side(g, b, side, visit, context);
+        if (g->books.tally->first[6 * b->tile + side] >= 0) visit_side(g, b, side, visit, context);
 }

@@ -30,7 +30,7 @@ static void cross_visit(void *term, const struct row *row) {
 
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
     g->engine->state.rows(g, EVERY_CELL, to, cross_visit, &(struct term){g, to, dt});
-    if (g->tally) tiles_tally_cross(g, dt);
+    if (g->books.tally) tiles_tally_cross(g, dt);
 }
 
 /* Adds half of div u to `spread` in a row of cells, at whose first cell U stands. A central difference has the mean of

@@ -361,11 +361,11 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
         }
         for (int i = 0; i < 3; i++) f.face[i] = d->face[i] + at;
         for (int v = 0; v <= g->components; v++) out[v] = c->flux[v] + at;
-        const bool heat = what == HEAT && d->keep, flagged = g->flags.blocks[0];
+        const bool heat = what == HEAT && d->keep, flagged = g->limits.flags.blocks[0];
         for (int i = 0; i < f.n && (flagged || heat); i++)
-            keep[i] = flagged && g->flags.cells[0][f.left[i]] + g->flags.cells[0][f.right[i]] > 0 ? 0
-                      : heat                                                                      ? d->keep[at + i]
-                                                                                                  : 1;
+            keep[i] = flagged && g->limits.flags.cells[0][f.left[i]] + g->limits.flags.cells[0][f.right[i]] > 0 ? 0
+                      : heat ? d->keep[at + i]
+                             : 1;
         if (flagged || heat) f.keep = keep;
         faces_of[g->dim - 1][g->components - g->dim](
             what, &f, d->sum[d->last], what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
@@ -441,7 +441,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     long count = 0;
     flow(g, what, weight);
     if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.stays, d->sum[d->last]);
-    if (g->tally) cells_tally_diffusion(g, what, dt);
+    if (g->books.tally) cells_tally_diffusion(g, what, dt);
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         for (int v = 0; v <= (what == VISCOUS ? g->components : 0); v++)

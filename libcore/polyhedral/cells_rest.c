@@ -141,7 +141,7 @@ void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, c
             const bool out = (falls && falls[i] > 0) || (flag && flag[i] > 0);
             if (r->finds == FORCES) r->force[k][at + i] = -residual[k + 1][i];
             residual[k + 1][i] += out ? 0 : r->near[at + i] * r->force[k][at + i];
-            if (g->tally) r->taken[at + i] = out || is_beds(g, at + i) ? 0 : r->near[at + i];
+            if (g->books.tally) r->taken[at + i] = out || is_beds(g, at + i) ? 0 : r->near[at + i];
         }
 }
 

@@ -83,7 +83,7 @@ static void slide_along(struct gas *g, int mirror) {
 void cells_shear_rate(struct gas *g, const struct state *s) {
     struct polyhedra *m = g->cells->polyhedra;
     struct cells_shear_rate *x = g->cells->shear_rate;
-    double *rate = g->shear_rate.now[0];
+    double *rate = g->diffusion.shear_rate.now[0];
     find_velocities(g, s);
     cells_gradients(g->dim, &x->weights, g->components, 0, m->nown, x->velocity, x->gradient);
     for (int i = 0; i < m->face.n - m->face.ninternal && g->models.transport; i++)

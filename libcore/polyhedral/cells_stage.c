@@ -306,7 +306,7 @@ static void feed(struct gas *g, int first, int last, const double *const *U) {
 /* Limits the fluxes through faces first <= i < last, all of one patch or all internal, of flagged cells. */
 static void limit_run(struct gas *g, int first, int last, const double *const *U, struct points *p) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const double *flag = g->flags.cells[0];
+    const double *flag = g->limits.flags.cells[0];
     p->n = 0;
     for (int face = first; face < last; face++)
         if (flag[f->left[face]] + flag[f->right[face]] > 0) p->face[p->n++] = face;
@@ -326,7 +326,7 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
             for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
                 if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
         batch_fluxes(g, first, end, U, &p);
-        if (g->flags.blocks[0]) limit_run(g, first, end, U, &p);
+        if (g->limits.flags.blocks[0]) limit_run(g, first, end, U, &p);
         if (g->patches.fed && patch >= 0 && patch_feeds(&g->patches.rules[patch])) feed(g, first, end, U);
     }
 }
@@ -365,7 +365,7 @@ static void update_chunk(struct stage *t, int at) {
     const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
     double residuals[MAX_VAR][BATCH];
     const double *falls = g->falling.cells && g->falling.blocks[0] ? g->falling.cells[0] + at : NULL,
-                 *flag = g->flags.blocks[0] ? g->flags.cells[0] + at : NULL,
+                 *flag = g->limits.flags.blocks[0] ? g->limits.flags.cells[0] + at : NULL,
                  *part = g->step.hybrid ? g->dense->part[0] + at : NULL;
     const struct advance s = {.U0 = t->U0->block[0] + at,
                               .from = t->from->block[0] + at,
@@ -386,7 +386,7 @@ static void update_chunk(struct stage *t, int at) {
     update_rows(g, n, &s);
     if (g->falling.cells && flag) drop_row(g, n, &s, falls, flag, part, g->falling.dropped + at);
     if (part) freeze_row(g, n, &s, part);
-    t->count += row_limited(g, n, s.from, s.to, g->flags.cells[0] + at);
+    t->count += row_limited(g, n, s.from, s.to, g->limits.flags.cells[0] + at);
 }
 
 /* Updates the chunks that turns from <= k < to of the sweep make ready. */
@@ -403,7 +403,7 @@ static void sweep(struct stage *t) {
     for (int k = 0; k < s->n; k++) {
         fit_cells(c->fit, k ? s->cells[k - 1] : 0, s->cells[k], t->U);
         face_fluxes(t->g, k ? s->faces[k - 1] : 0, s->faces[k], t->U);
-        if (!t->g->flags.blocks[0]) update_chunks(t, k, k + 1);
+        if (!t->g->limits.flags.blocks[0]) update_chunks(t, k, k + 1);
     }
 }
 
@@ -415,7 +415,7 @@ static long finish_sweep(struct stage *t) {
     fit_cells(c->fit, m->ninner, m->nnear, t->U);
     face_fluxes(g, m->face.nlocal, m->face.ninternal, t->U);
     face_fluxes(g, m->face.ninternal, m->face.n, t->U);
-    update_chunks(t, g->flags.blocks[0] ? 0 : c->sweep.n, c->sweep.n + 1);
+    update_chunks(t, g->limits.flags.blocks[0] ? 0 : c->sweep.n, c->sweep.n + 1);
     g->counts.computed += m->nown;
     g->counts.all += m->nown;
     return t->count;

@@ -15,7 +15,8 @@ void cells_tally_still(struct gas *g, double weight) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     for (int face = f->ninternal; face < f->n && g->cells->rest; face++) {
         const double missed = weight * cells_rest_of_wall(g, face) * f->area[face];
-        for (int k = 0; k < g->dim; k++) g->tally->flow[k + 1][face - f->ninternal] -= missed * f->normal[k][face];
+        for (int k = 0; k < g->dim; k++)
+            g->books.tally->flow[k + 1][face - f->ninternal] -= missed * f->normal[k][face];
     }
 }
 
@@ -26,12 +27,12 @@ void cells_tally_bed(struct gas *g, double dt) {
         const int face = bed->shape[f];
         if (face < faces->ninternal) continue;
         for (int v = 0; v < g->nvar; v++)
-            g->tally->flow[v][face - faces->ninternal] = dt * faces->area[face] * bed->kept[v][f];
+            g->books.tally->flow[v][face - faces->ninternal] = dt * faces->area[face] * bed->kept[v][f];
     }
 }
 
 void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt) {
-    const struct tally *t = g->tally;
+    const struct tally *t = g->books.tally;
     for (int v = 0; v <= g->components && what == VISCOUS; v++)
         tally_add(t, v < g->components ? 1 : 1 / dt, t->stage[v], t->passed[v]);
     if (what == HEAT) tally_add(t, 1, t->stage[0], t->passed[g->nvar - 1]);
@@ -39,7 +40,7 @@ void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt) {
 
 void cells_tally_cross(struct gas *g, double dt) {
     const double *cross = g->cells->diffuser->cross + g->cells->polyhedra->face.ninternal;
-    tally_add(g->tally, dt, cross, g->tally->passed[g->nvar - 1]);
+    tally_add(g->books.tally, dt, cross, g->books.tally->passed[g->nvar - 1]);
 }
 
 static void visit_face(const struct gas *g, int face, gas_face_visitor *visit, void *context) {

@@ -70,7 +70,7 @@ void cells_cross_drop(struct gas *g) {
     const struct cells *c = g->cells;
     const struct polyhedra_faces *f = &c->polyhedra->face;
     for (int i = 0; i < f->n; i++)
-        if (g->flags.cells[0][f->left[i]] + g->flags.cells[0][f->right[i]] > 0) c->diffuser->cross[i] = 0;
+        if (g->limits.flags.cells[0][f->left[i]] + g->limits.flags.cells[0][f->right[i]] > 0) c->diffuser->cross[i] = 0;
 }
 
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
@@ -83,7 +83,7 @@ void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
         cells_residuals(g->cells, at, n, g->cells->diffuser->cross, sum);
         for (int i = 0; i < n; i++) E[i] += dt * sum[i];
     }
-    if (g->tally) cells_tally_cross(g, dt);
+    if (g->books.tally) cells_tally_cross(g, dt);
 }
 
 /* The volume that the gas on a face sweeps beyond what the gas of the cell does, so that the sum over the faces of a

@@ -410,7 +410,7 @@ static double longest_step(const struct scene *s, const struct scheme *scheme, c
 static void print_step(const struct scene *s, int step, double t, double dt, double stable, const char *limit) {
     struct gas_budget b = {0};
     const struct gas_counts c = gas_counts(s->gas);
-    if (s->gas->audit) status_free(gas_budget(s->gas, &b));
+    if (s->gas->books.audit) status_free(gas_budget(s->gas, &b));
     if (!comm_root(s->comm)) return;
     printf("  step %d t %.6g dt %.4g of %.4g by %s, rejected %ld", step, t, dt, stable, limit, c.rejected);
     if (s->gas->dense)

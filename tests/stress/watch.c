@@ -415,7 +415,7 @@ struct flags {
 };
 static void flag_visit(void *context, long cell, int block, long at) {
     const struct flags *f = context;
-    const double *flag = f->g->flags.cells[block];
+    const double *flag = f->g->limits.flags.cells[block];
     f->w->flagged[cell] = flag[at] > 0;
 }
 

@@ -353,6 +353,13 @@ class Rooms(unittest.TestCase):
         for path, text in self.files.items():
             self.assertLessEqual(text.count("\n"), MOST_LINES, f"{path}: is there a second subject in it?")
 
+    def test_the_gas_is_made_of_parts(self):
+        """A further member belongs into the struct of its part."""
+        inside = re.search(r"^struct gas \{(.*?)^\};", bare(self.files["libcore/gas/gas_private.h"]), re.MULTILINE | re.DOTALL)[1]
+        members = [name for line in inside.split(";") if line.strip() for name in line.split(",")]
+        self.assertIn("struct floors floors", [" ".join(m.split()) for m in members])
+        self.assertLessEqual(len(members), 25)
+
     def test_each_file_begins_with_a_sentence(self):
         self.assertNone(headless(self.files))
 

@@ -114,8 +114,8 @@ static double largest_step(struct gas *g) {
 
 static void flag_all(struct gas *g) {
     for (int t = 0; g->forest && t < g->forest->ntiles; t++)
-        for (long i = 0; i < g->forest->size; i++) g->flags.cells[t][i] = 1;
-    for (int i = 0; g->cells && i < g->cells->polyhedra->nown; i++) g->flags.cells[0][i] = 1;
+        for (long i = 0; i < g->forest->size; i++) g->limits.flags.cells[t][i] = 1;
+    for (int i = 0; g->cells && i < g->cells->polyhedra->nown; i++) g->limits.flags.cells[0][i] = 1;
     (void)flags_share(g);
 }
 

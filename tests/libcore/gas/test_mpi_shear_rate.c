@@ -84,7 +84,7 @@ static void check_row(void *context, const struct row *row) {
         x->g->engine->state.place(x->g, row->block, row->at + i, place);
         for (int k = 0; k < x->g->dim; k++) inside = inside && fabs(place[k] - 0.5) < 0.5 - x->margin;
         if (!inside) continue;
-        x->error = fmax(x->error, fabs(x->g->shear_rate.now[row->block][row->at + i] - x->wanted));
+        x->error = fmax(x->error, fabs(x->g->diffusion.shear_rate.now[row->block][row->at + i] - x->wanted));
         x->cells++;
     }
 }
@@ -203,7 +203,7 @@ static void uniform_gas_has_no_shear(void **state) {
         open_scene(&s, world, shape, 2, 0);
         start(&s, uniform);
         s.gas->engine->state.shear_rate(s.gas, &s.gas->U);
-        for (long i = 0; i < s.gas->size; i++) assert_true(s.gas->shear_rate.now[0][i] == 0);
+        for (long i = 0; i < s.gas->size; i++) assert_true(s.gas->diffusion.shear_rate.now[0][i] == 0);
         close_scene(&s);
     }
 }
@@ -237,7 +237,7 @@ static void transport_sees_the_flow(void **state) {
         for (int i = 0; i < 2; i++) {
             struct scene s;
             open_couette(&s, world, shape, i ? &SHEARING : &CONSTANT, NULL);
-            assert_true(!s.gas->shear_rate.now == !i);
+            assert_true(!s.gas->diffusion.shear_rate.now == !i);
             spread(&s, 6, 0.02);
             end[i] = state_of(&s, world);
             numbers = 4 * s.cells;
