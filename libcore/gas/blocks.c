@@ -5,22 +5,22 @@
 
 #include <stdlib.h>
 
-struct batch { /* n <= BATCH cells of a block of the grid, from its cell `from` on */
-    int block; /* of the state */
+struct block_batch { /* n <= BATCH cells of a block of the grid, from its cell `from` on */
+    int block;       /* of the state */
     int from, n;
     const int *at; /* [n] places in the lines of the state's block; NULL: from `first` on, `step` apart */
     long first, step;
 };
-static inline long place_of(const struct batch *b, int i) {
+static inline long place_of(const struct block_batch *b, int i) {
     return b->at ? b->at[i] : b->first + i * b->step;
 }
-typedef void batch_visitor(void *context, const struct batch *batch);
+typedef void batch_visitor(void *context, const struct block_batch *batch);
 
 /* Visits the cells of a block of the grid in its order; those of s (NULL: of no state) are written out first. */
 static void visit_block(const struct gas *g, int block, const struct state *s, batch_visitor *visit, void *context) {
     struct block_cells c;
     g->engine->state.cells(g, block, s, &c);
-    struct batch b = {.block = c.block, .step = c.step[0]};
+    struct block_batch b = {.block = c.block, .step = c.step[0]};
     for (int k = 0; k < c.n[2]; k++)
         for (int j = 0; j < c.n[1]; j++)
             for (int i = 0; i < c.n[0]; i += b.n) {
@@ -60,7 +60,7 @@ static long cells_of_rank(const struct gas *g) {
 
 /* ---- values in and out ---- */
 
-struct lines { /* n lines of blocks, from `first` on, and their values */
+struct block_lines { /* n lines of blocks, from `first` on, and their values */
     double *const *block;
     long size;
     int first, n;
@@ -70,8 +70,8 @@ struct lines { /* n lines of blocks, from `first` on, and their values */
     double *const *out;
 };
 
-static void put_batch(void *lines, const struct batch *b) {
-    const struct lines *l = lines;
+static void put_batch(void *lines, const struct block_batch *b) {
+    const struct block_lines *l = lines;
     for (int v = 0; v < l->n; v++) {
         double *line = l->block[b->block] + (l->first + v) * l->size;
         for (int i = 0; i < b->n; i++)
@@ -79,8 +79,8 @@ static void put_batch(void *lines, const struct batch *b) {
     }
 }
 
-static void take_batch(void *lines, const struct batch *b) {
-    const struct lines *l = lines;
+static void take_batch(void *lines, const struct block_batch *b) {
+    const struct block_lines *l = lines;
     for (int v = 0; v < l->n; v++) {
         const double *line = l->block[b->block] + (l->first + v) * l->size;
         for (int i = 0; i < b->n; i++) l->out[v][b->from + i] = line[place_of(b, i)];
@@ -89,7 +89,7 @@ static void take_batch(void *lines, const struct batch *b) {
 
 /* Sets n lines of blocks from arrays of this rank's cells (own), or from arrays in polyMesh order. */
 static void put_lines(const struct gas *g, bool own, int n, const double *const *in, double *const *block) {
-    struct lines l = {.block = block, .size = g->size, .n = n, .in = in};
+    struct block_lines l = {.block = block, .size = g->size, .n = n, .in = in};
     for (int b = 0, cells; b < grid_blocks(g); b++, l.next += cells) {
         const int *cell = mesh_cells(g, b, &cells);
         l.cell = own ? NULL : cell;
@@ -107,7 +107,7 @@ void limited_set(struct gas *g, const double *values) {
 }
 
 void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
-    struct lines l = {.block = g->U.block, .size = g->size, .first = first, .n = n, .out = out};
+    struct block_lines l = {.block = g->U.block, .size = g->size, .first = first, .n = n, .out = out};
     visit_block(g, block, &g->U, take_batch, &l);
 }
 
@@ -117,7 +117,7 @@ struct reading { /* of a field */
     double *const *out;
 };
 
-static void read_batch(void *reading, const struct batch *b) {
+static void read_batch(void *reading, const struct block_batch *b) {
     const struct reading *r = reading;
     const struct gas *g = r->g;
     double U[MAX_VAR][BATCH] = {{0}}, *out[3] = {NULL, NULL, NULL};
@@ -128,7 +128,7 @@ static void read_batch(void *reading, const struct batch *b) {
 }
 
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
-    struct lines limited = {.block = g->limits.flags.limited, .size = g->size, .n = 1, .out = out};
+    struct block_lines limited = {.block = g->limits.flags.limited, .size = g->size, .n = 1, .out = out};
     double value[3];
     int n;
     (void)mesh_cells(g, block, &n);
@@ -198,7 +198,7 @@ struct summing {
 
 /* Adds all lines at once, in registers, as each addition waits for the one before. Cells that have their values in
  * common are added one by one, so that uniform axes change no bit. Sums beyond the n lines repeat the first. */
-static void sum_batch(void *summing, const struct batch *b) {
+static void sum_batch(void *summing, const struct block_batch *b) {
     struct summing *x = summing;
     const double *line[MAX_VAR], *volume = x->g->blocks.volume;
     double sum[MAX_VAR];

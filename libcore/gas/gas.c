@@ -5,14 +5,14 @@
 #include <stdlib.h>
 
 /* The lines of blocks that both engines have. */
-struct lines {
+struct wanted_line {
     double ***line;
     bool wanted;
 };
 enum { LINES = 9 };
-static void list_lines(struct gas *g, struct lines out[LINES]) {
+static void list_lines(struct gas *g, struct wanted_line out[LINES]) {
     const bool falls = source_falls(&g->models.source, g->components), diffuses = g->models.transport != NULL;
-    const struct lines all[LINES] = {
+    const struct wanted_line all[LINES] = {
         {&g->limits.flags.cells, true},   {&g->limits.flags.limited, true},
         {&g->limits.flags.kept, true},    {&g->limits.flags.mark, diffuses},
         {&g->diffusion.warm, diffuses},   {&g->diffusion.friction, diffuses},
@@ -33,7 +33,7 @@ void line_free(const struct gas *g, double **line) {
 }
 
 static status make_lines(struct gas *g) {
-    struct lines l[LINES];
+    struct wanted_line l[LINES];
     list_lines(g, l);
     for (int i = 0; i < LINES; i++)
         if (l[i].wanted) TRY(line_make(g, l[i].line));
@@ -45,7 +45,7 @@ static status make_lines(struct gas *g) {
 }
 
 static void free_lines(struct gas *g) {
-    struct lines l[LINES];
+    struct wanted_line l[LINES];
     list_lines(g, l);
     for (int i = 0; i < LINES; i++) line_free(g, *l[i].line);
     free(g->limits.flags.blocks);

@@ -72,9 +72,6 @@ FILES = "mesh/format/files.c"
 FILE_CALLS = (r"(?<![\w>.])(f?open|openat|open64|creat|freopen|gzopen|rename|renameat|unlink|unlinkat|remove|rmdir|mkdir|mkdirat|"
               r"mkfifo|mknod|link|symlink|truncate|mkstemp|mkdtemp|tmpfile|tmpnam|popen|system|chdir|chmod|chown)\(")
 
-# Layers of which a tag may still name several structs.
-TAGS_OPEN = {"libcore"}
-
 # Variables of a whole file that may change, with the reason.
 MUTABLE = {"solvers/programs/run.c": ["asked_to_stop"]}  # the one thing that a signal handler may touch
 
@@ -327,9 +324,7 @@ class Rooms(unittest.TestCase):
         self.assertNone(shared_kernels(self.files))
 
     def test_tags_are_unique_in_a_layer(self):
-        self.assertNone(shared_tags(self.files, set(LAYERS) - TAGS_OPEN))
-        for layer in TAGS_OPEN:
-            self.assertTrue(shared_tags(self.files, {layer}), f"{layer} has no tag twice: take it out of TAGS_OPEN")
+        self.assertNone(shared_tags(self.files, set(LAYERS)))
 
     def test_function_objects_are_in_the_table(self):
         self.assertNone(forgotten_rows(self.files))
