@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Those who keep account of a step: the budget (libcore/gas/audit.h) and what leaves through patches
+/* Those who keep account of a step: the budget (libcore/step/audit.h) and what leaves through patches
  * (libcore/gas/tally.h). A part of a step says what it does; books.c alone says whom that concerns. Without a request
  * (gas_audit, gas_tally) all of this costs nothing; the gas has the same bits with it. All are collective. */
 #ifndef LIBCORE_BOOKS_H

@@ -215,8 +215,8 @@ double gas_tally_step(const struct gas *g); /* s: length of the last step; 0: th
  * ranks. */
 void gas_tally_faces(const struct gas *g, int block, gas_face_visitor *visit, void *context);
 
-/* The budget of mass, momentum and energy by cause (libcore/gas/audit.h). gas_audit begins to keep it, which changes no
- * bit of the gas and costs a few sums over all cells a step; gas_budget says what has changed since then. Both are
+/* The budget of mass, momentum and energy by cause (libcore/step/audit.h). gas_audit begins to keep it, which changes
+ * no bit of the gas and costs a few sums over all cells a step; gas_budget says what has changed since then. Both are
  * collective. */
 
 /* Causes of changes, besides the rows of source_table. */

@@ -4,7 +4,6 @@
 #define LIBCORE_GAS_PRIVATE_H
 
 #include "libcore/acoustics/bed.h"
-#include "libcore/gas/audit.h"
 #include "libcore/gas/books.h"
 #include "libcore/gas/engine.h"
 #include "libcore/gas/implicit.h"

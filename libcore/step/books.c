@@ -3,6 +3,7 @@
 #include "libcore/gas/books.h"
 
 #include "libcore/gas/gas_private.h"
+#include "libcore/step/audit.h"
 
 void books_begin(struct gas *g) {
     audit_begin(g);

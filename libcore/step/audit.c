@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Keeps the budget of mass, momentum and energy (audit.h): totals are taken behind every part of a step, and
  * differences are booked under causes. */
-#include "libcore/gas/audit.h"
+#include "libcore/step/audit.h"
 
 #include "libcore/gas/gas_private.h"
 
