@@ -162,7 +162,7 @@ struct blocks {           /* of the state, and sums over them (libcore/gas/block
     double *sums;         /* [nvar][blocks of the grid] scratch */
 };
 
-struct books {           /* what a step is booked in (libcore/gas/books.c) */
+struct books {           /* what a step is booked in (libcore/step/books.c) */
     struct audit *audit; /* the budget; NULL: none is kept */
     struct tally *tally; /* fluxes through patches; NULL: they are not kept */
 };
