@@ -120,10 +120,16 @@ struct reading { /* of a field */
 static void read_batch(void *reading, const struct block_batch *b) {
     const struct reading *r = reading;
     const struct gas *g = r->g;
-    double U[MAX_VAR][BATCH] = {{0}}, *out[3] = {NULL, NULL, NULL};
+    double U[MAX_VAR][BATCH], *out[3] = {NULL, NULL, NULL};
     for (int k = 0; k < (r->field == GAS_U ? g->components : 1); k++) out[k] = r->out[k] + b->from;
-    for (int v = 0; v < g->nvar; v++)
+    if (!b->at && b->step == 1) { /* the cells lie one behind the other: no copy */
+        field_row(g, r->field, b->n, g->size, g->U.block[b->block] + b->first, out);
+        return;
+    }
+    for (int v = 0; v < g->nvar; v++) {
         for (int i = 0; i < b->n; i++) U[v][i] = g->U.block[b->block][v * g->size + place_of(b, i)];
+        for (int i = b->n; i < BATCH; i++) U[v][i] = 0;
+    }
     field_row(g, r->field, b->n, BATCH, U[0], out);
 }
 
