@@ -139,7 +139,7 @@ class Restart(harness.Folder, unittest.TestCase):
                 self.assertEqual(run.returncode, 0, text)
                 (_, last) = runs.times(case)
                 runs.complete(self, case, last)
-                self.assertRegex(text, rf"written: {last}\nstopped as asked .*\nend at time")
+                self.assertRegex(text, rf"written: {last}\nstopped as asked .*\nSeconds of the clock, rank 0\n(?:    .*\n)+end at time")
                 self.assertEqual(runs.hidden(case), [])
 
     @staticmethod
