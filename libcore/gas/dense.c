@@ -19,7 +19,7 @@
  * explicit scheme. */
 static const double BORDER = 0.5, FLOW = 0.4, FALL = 0.5;
 /* If cooling limits dt of a bed in a gas that can collapse, steps become explicit once the explicit dt is below CREEP
- * times that of the calm cells: explicit steps let gas_step see the collapse, while a bed's dt would fall for ever. */
+ * times that of the loose cells: explicit steps let gas_step see the collapse, while a bed's dt would fall for ever. */
 static const double CREEP = 1e-3;
 /* Cells beside those denser than this fraction of alphaMax are frozen: a surface cell beside packed gas has no part in
  * its weight, and would be pushed away in the stages. */
@@ -161,7 +161,7 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     const int least = least_of(step);
     const double rate[] = {rates.thin, rates.flow, rates.cooling, 0};
     if (!(step[least] >= gain * usual && step[least] > plain) ||
-        (least == BY_COOLING && gas_can_collapse(g) && speed->rate * CREEP > speed->calm))
+        (least == BY_COOLING && gas_can_collapse(g) && speed->rate * CREEP > speed->loose))
         return refuse(d, least, step[least] / usual, rate[least], plain);
     *limit = cause_name[least];
     return d->longest = step[least];

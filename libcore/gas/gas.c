@@ -244,11 +244,11 @@ void renew_patches(struct gas *g, double t) {
 }
 
 bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
-    double all[] = {is_void,       mine->rate,    mine->calm, mine->axis[0],
-                    mine->axis[1], mine->axis[2], -mine->low, mine->high};
+    double all[] = {is_void,       mine->rate,    mine->loose, mine->axis[0],
+                    mine->axis[1], mine->axis[2], -mine->low,  mine->high};
     comm_max(g->comm, all, 8);
     g->step.speed = (struct gas_speed){
-        .rate = all[1], .calm = all[2], .axis = {all[3], all[4], all[5]}, .low = -all[6], .high = all[7]};
+        .rate = all[1], .loose = all[2], .axis = {all[3], all[4], all[5]}, .low = -all[6], .high = all[7]};
     g->step.speed_known = all[0] == 0;
     return g->step.speed_known;
 }

@@ -76,7 +76,7 @@ struct gas_counts {
 
 struct gas_speed {  /* of the whole domain */
     double rate;    /* 1/s: max over cells of sum_k (|u_k| + c)/width_k; dt = maxCo / rate */
-    double calm;    /* 1/s: the same without cells above 0.99 alpha_max, as the rate would be without a collapse */
+    double loose;   /* 1/s: the same without cells above 0.99 alpha_max, as the rate would be without a collapse */
     double axis[3]; /* m/s: max |u_k| + c */
     /* Pa: least and largest pressure; HUGE_VAL and 0 where no fronts are looked for (docs/physics.md 6.12) */
     double low, high;
@@ -169,7 +169,7 @@ void gas_vary(struct gas *g, status (*renew)(void *context, double t), void *con
 void gas_heed(struct gas *g, bool (*asked)(void));
 /* Advances the state from t by *dt, or by a halved *dt where the state would leave the admissible set. `speed` comes
  * from gas_speed for the present state. Fails (ERR_STATE, "inelastic collapse at t = .., (x y z)") if dt must fall
- * below `least` (s); in a gas that cools also if it falls below `fraction` of maxCo / calm: immediately if the state
+ * below `least` (s); in a gas that cools also if it falls below `fraction` of maxCo / loose: immediately if the state
  * that was set is already that stiff, otherwise after 100 consecutive tiny steps whose dt halved over the last 50, or
  * after 500. The state is then the last good one. A step that is left (gas_heed) has *dt = 0 and changes nothing. */
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,

@@ -233,7 +233,7 @@ KERNEL static void fast_row(int n, const double *restrict u, const double *restr
     for (int i = 0; i < n; i++) fast[i] = fabs(u[i]) + c[i];
 }
 
-KERNEL static void calm_row(int n, double limit, const double *restrict rho, double *restrict rate) {
+KERNEL static void loose_row(int n, double limit, const double *restrict rho, double *restrict rate) {
     for (int i = 0; i < n; i++) rate[i] = rho[i] < limit ? rate[i] : 0;
 }
 
@@ -252,8 +252,8 @@ void speed_visit(void *context, long offset, int n) {
     for (int i = 0; s->wanted > 0 && s->found < 0 && i < n; i++)
         if (rate[i] == s->wanted) s->found = offset + i;
     s->most.rate = larger(s->most.rate, largest(n, rate));
-    calm_row(n, PACKED * g->limits.most, s->U + offset, rate);
-    s->most.calm = larger(s->most.calm, largest(n, rate));
+    loose_row(n, PACKED * g->limits.most, s->U + offset, rate);
+    s->most.loose = larger(s->most.loose, largest(n, rate));
 }
 
 void speed_of_background(struct speeds *s) {

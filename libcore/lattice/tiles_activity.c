@@ -62,12 +62,12 @@ static long find_reference(const struct gas *g, const struct tile *t, const doub
     const struct forest *f = g->forest;
     for (int corner = 0; corner < 1 << g->dim; corner++) {
         long at = f->first;
-        bool calm = true;
+        bool same = true;
         for (int k = 0; k < g->dim; k++)
             if (corner >> k & 1) at += (t->n[k] - 1) * f->stride[k];
-        for (int k = 0; k < g->dim && calm; k++)
-            calm = t->n[k] > 1 && same_cell(g, U, falls, at, at + (corner >> k & 1 ? -1 : 1) * f->stride[k]);
-        if (calm) return at;
+        for (int k = 0; k < g->dim && same; k++)
+            same = t->n[k] > 1 && same_cell(g, U, falls, at, at + (corner >> k & 1 ? -1 : 1) * f->stride[k]);
+        if (same) return at;
     }
     return -1;
 }
@@ -224,8 +224,8 @@ void activity_prepare(struct gas *g, const struct state *s) {
     for (int t = 0; t < f->ntiles; t++)
         for (int side = 0; side < 2 * f->dim; side++) {
             const int other = f->tile[t].side[side].neighbour;
-            const bool calm = quiet[other < 0 ? 6 * t + side : 6 * other + (side ^ 1)];
-            if (!calm) store_layers(g, t, s, layers_inside(g, &f->tile[t], side));
+            const bool skipped = quiet[other < 0 ? 6 * t + side : 6 * other + (side ^ 1)];
+            if (!skipped) store_layers(g, t, s, layers_inside(g, &f->tile[t], side));
         }
 }
 

@@ -50,7 +50,7 @@ ALWAYS_INLINE struct balance balance_at(double half, double rho0, double rho1, d
                             (share != 0) & ((rho0 != rho1) | (p0 != p1))};
 }
 /* The same where share is 1 and nothing is clipped. */
-ALWAYS_INLINE struct balance balance_of_calm(double half, double rho0, double rho1, double p0, double p1) {
+ALWAYS_INLINE struct balance balance_of_slow(double half, double rho0, double rho1, double p0, double p1) {
     const double a = half * rho0, b = half * rho1;
     return (struct balance){a + b, a, b, (rho0 != rho1) | (p0 != p1)};
 }
@@ -88,12 +88,12 @@ ALWAYS_INLINE bool find_fast(int n, long stride, const double *restrict u, const
     }
     return signs >> 63 == 0;
 }
-/* The same of faces of which balance_of_calm is true. */
-ALWAYS_INLINE void find_calm(int n, double half, long stride, const double *restrict rho, const double *restrict p,
-                             const double *restrict u, const double *restrict c, uint64_t *restrict calm) {
+/* The same of faces of which balance_of_slow is true. */
+ALWAYS_INLINE void find_slow(int n, double half, long stride, const double *restrict rho, const double *restrict p,
+                             const double *restrict u, const double *restrict c, uint64_t *restrict slow) {
     for (int i = 0; i < n; i++) {
         const long j = i + stride;
-        calm[i] = bits_of((c[i] + c[j]) - 2 * (fabs(u[i]) + fabs(u[j]))) |
+        slow[i] = bits_of((c[i] + c[j]) - 2 * (fabs(u[i]) + fabs(u[j]))) |
                   bits_of(larger(p[i], p[j]) - fabs(half * rho[i] + half * rho[j]));
     }
 }
@@ -106,19 +106,19 @@ KERNEL static bool balance_line(int n, double half, long stride, const double *r
                                 const double *restrict u, const double *restrict c, double *restrict rise,
                                 double *restrict on, double *restrict face, double *restrict left,
                                 double *restrict right) {
-    ALIGNED uint64_t fast[LINE], calm[LINE];
+    ALIGNED uint64_t fast[LINE], slow[LINE];
     uint64_t any = 0;
     if (find_fast(n, stride, u, c, fast)) {
         for (int i = 0; i < n; i++) rise[i] = 0;
         return false;
     }
-    find_calm(n, half, stride, rho, p, u, c, calm);
+    find_slow(n, half, stride, rho, p, u, c, slow);
     for (int from = 0; from < n; from += GROUP) {
         if (is_all(fast + from)) {
             for (int i = from; i < from + GROUP; i++) rise[i] = on[i] = face[i] = left[i] = right[i] = 0;
-        } else if (is_all(calm + from)) {
+        } else if (is_all(slow + from)) {
             for (int i = from; i < from + GROUP; i++)
-                keep_balance(balance_of_calm(half, rho[i], rho[i + stride], p[i], p[i + stride]), p[i], p[i + stride],
+                keep_balance(balance_of_slow(half, rho[i], rho[i + stride], p[i], p[i + stride]), p[i], p[i + stride],
                              &rise[i], &on[i], &face[i], &left[i], &right[i]);
         } else {
             for (int i = from; i < from + GROUP; i++)
@@ -220,6 +220,6 @@ void balance_through(const struct gas *g, const struct strip *s, const struct fa
     f.base[1] = l->base[1] + at;
     f.rise = l->rise + at;
     f.rest = l->face + at;
-    flux_calmed(g->models.flux, &f, g->models.eos, &g->models.material, r);
+    flux_undamped(g->models.flux, &f, g->models.eos, &g->models.material, r);
     add_line(f.n, f.rest, f.out[1]);
 }

@@ -220,23 +220,23 @@ KERNEL static void residual_row(int dim, int n, int nvar, const struct faces_of_
 }
 
 /* Marks the cells that `residual` changes neither in density nor in energy; returns whether there are any. */
-KERNEL static bool find_calm(int n, double dt, const double *restrict rho, const double *restrict E,
-                             const double *restrict mass, const double *restrict power, uint64_t *restrict calm) {
+KERNEL static bool find_still(int n, double dt, const double *restrict rho, const double *restrict E,
+                              const double *restrict mass, const double *restrict power, uint64_t *restrict still) {
     uint64_t any = 0;
     for (int i = 0; i < n; i++) {
-        calm[i] = -(uint64_t)((rho[i] + dt * mass[i] == rho[i]) & (E[i] + dt * power[i] == E[i]));
-        any |= calm[i];
+        still[i] = -(uint64_t)((rho[i] + dt * mass[i] == rho[i]) & (E[i] + dt * power[i] == E[i]));
+        any |= still[i];
     }
     return any != 0;
 }
 
 /* Clears the residuals of those cells whose momentum they change by at most 2^-53 rho c. */
 KERNEL static void still_cells(int n, int nvar, double dt, const double *restrict rho, const double *restrict c,
-                               uint64_t *restrict calm, double (*restrict residual)[BATCH]) {
+                               uint64_t *restrict still, double (*restrict residual)[BATCH]) {
     for (int v = 1; v < nvar - 1; v++)
-        for (int i = 0; i < n; i++) calm[i] &= -(uint64_t)(dt * fabs(residual[v][i]) <= 0x1p-53 * (rho[i] * c[i]));
+        for (int i = 0; i < n; i++) still[i] &= -(uint64_t)(dt * fabs(residual[v][i]) <= 0x1p-53 * (rho[i] * c[i]));
     for (int v = 0; v < nvar; v++)
-        for (int i = 0; i < n; i++) residual[v][i] = double_of(bits_of(residual[v][i]) & ~calm[i]);
+        for (int i = 0; i < n; i++) residual[v][i] = double_of(bits_of(residual[v][i]) & ~still[i]);
 }
 
 /* Takes a change of the state below round-off for none. Momentum across a stream that a wave meets falls from cell to
@@ -244,10 +244,10 @@ KERNEL static void still_cells(int n, int nvar, double dt, const double *restric
  * would be uniform (tiles_activity.c). Where neither density nor energy change by a bit, momentum that is less than the
  * round-off of the fluxes, some 2^-53 p dt/dx, says nothing. Mass and energy stay as they were. */
 static void still_row(const struct gas *g, int n, double dt, const double *U, long offset, double (*residual)[BATCH]) {
-    ALIGNED uint64_t calm[BATCH];
+    ALIGNED uint64_t still[BATCH];
     const long energy = (g->nvar - 1) * g->forest->size;
-    if (find_calm(n, dt, U, U + energy, residual[0], residual[g->nvar - 1], calm))
-        still_cells(n, g->nvar, dt, U, g->tiles->work.c + offset, calm, residual);
+    if (find_still(n, dt, U, U + energy, residual[0], residual[g->nvar - 1], still))
+        still_cells(n, g->nvar, dt, U, g->tiles->work.c + offset, still, residual);
 }
 
 struct update {

@@ -171,7 +171,7 @@ static void rate_batch(const struct gas *g, int from, int n, struct cells_primit
 
 static void cells_speed(struct gas *g, struct gas_speed *speed) {
     const struct polyhedra *m = g->cells->polyhedra;
-    double most[4] = {0, 0, 0, 0}, least = HUGE_VAL, rate[BATCH], fast[BATCH]; /* rate, calm, speed, pressure */
+    double most[4] = {0, 0, 0, 0}, least = HUGE_VAL, rate[BATCH], fast[BATCH]; /* rate, loose, speed, pressure */
     struct cells_primitives q;
     for (int from = 0; from < m->nown; from += BATCH) {
         int n = m->nown - from < BATCH ? m->nown - from : BATCH;
@@ -186,7 +186,7 @@ static void cells_speed(struct gas *g, struct gas_speed *speed) {
         }
     }
     *speed = (struct gas_speed){
-        .rate = most[0], .calm = most[1], .axis = {most[2], most[2], most[2]}, .low = least, .high = most[3]};
+        .rate = most[0], .loose = most[1], .axis = {most[2], most[2], most[2]}, .low = least, .high = most[3]};
 }
 
 static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {

@@ -168,10 +168,10 @@ KERNEL static void project_back(int dim, int from, int to, const struct bases *r
 
 /* Splits the entropy of the faces of shocks with max(|u| + c), by PHM (if the user's reconstruction is not of first
  * order), in the amplitudes a of the other fields' run. */
-static void calm_shocks(int from, int to, const struct faces *f, const struct bases *b, const struct winds *w,
+static void damp_shocks(int from, int to, const struct faces *f, const struct bases *b, const struct winds *w,
                         const double *shock, const struct reconstruct *r, double *a) {
     struct winds fast = *w;
-    double calm[COLUMNS], *entropy = a + f->n, *split = calm + (to - from);
+    double damped[COLUMNS], *entropy = a + f->n, *split = damped + (to - from);
     int kind[BATCH / GROUP];
     for (int k = 0; k < BATCH / GROUP; k++) kind[k] = SPLIT_ENTROPY;
     for (int i = from; i < to; i++) {
@@ -179,7 +179,7 @@ static void calm_shocks(int from, int to, const struct faces *f, const struct ba
         const double most = larger(fabs(u[0]) + c[0], fabs(u[f->stride]) + c[f->stride]);
         fast.speed[ENTROPY][i] = shock[i] > 0 ? most : w->speed[ENTROPY][i];
     }
-    characteristic_common(r->reach > 0 ? reconstruct_find("PHM") : r, from, to, kind, f, b, &fast, calm);
+    characteristic_common(r->reach > 0 ? reconstruct_find("PHM") : r, from, to, kind, f, b, &fast, damped);
     for (int i = from; i < to; i++) entropy[i] = shock[i] > 0 ? split[i - from] : entropy[i];
 }
 
@@ -193,7 +193,7 @@ static void one_basis(const struct faces *f, const struct reconstruct *r, const 
     find_kinds(f->n, w, SPLITS, kind);
     characteristic_common(r, 0, f->n, kind, f, &b, w, a);
     if (rules && rules->shocks.from < rules->shocks.to)
-        calm_shocks(rules->shocks.from, rules->shocks.to, f, &b, w, rules->shock, r, a);
+        damp_shocks(rules->shocks.from, rules->shocks.to, f, &b, w, rules->shock, r, a);
     project_back(f->dim, 0, f->n, &b, f->n, a, false, f->out);
 }
 

@@ -56,9 +56,9 @@ extern const int flux_count;
 const struct flux *flux_find(const char *name); /* NULL: none */
 
 /* Does what flux->through does under gravity (f->rise), but where gas is at rest by the flux `common` if the flux damps
- * jumps (flux_calm.c). */
-void flux_calmed(const struct flux *flux, const struct faces *f, const struct eos *eos, const struct material *m,
-                 const struct reconstruct *r);
+ * jumps (flux_undamped.c). */
+void flux_undamped(const struct flux *flux, const struct faces *f, const struct eos *eos, const struct material *m,
+                   const struct reconstruct *r);
 
 /* The first-order flux with a bound of the wave speeds (Rusanov 1961); eos, m and r are ignored. */
 void flux_rusanov(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r);

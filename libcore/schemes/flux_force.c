@@ -152,13 +152,13 @@ KERNEL static void force_add(int n, const double *restrict left, const double *r
  * reconstructed states */
 static void force_end(const struct faces *f, const struct reconstruct *r, const struct riemann *x,
                       double (*const first[2])[BATCH]) {
-    double calm[6][BATCH], left[BATCH], right[BATCH];
-    if (f->rise && r->reach) faces_take_rest(f, f->flux[1], calm);
+    double balanced[6][BATCH], left[BATCH], right[BATCH];
+    if (f->rise && r->reach) faces_take_rest(f, f->flux[1], balanced);
     for (int v = 0; v < f->dim + 2; v++) {
         const double *cell[6], *back[5];
         memcpy(f->out[v], x->F[v], (size_t)f->n * sizeof(double));
         if (r->reach == 0) continue;
-        for (int k = 0; k < 6; k++) cell[k] = f->rise && v == 1 ? calm[k] : f->flux[v] + (k - 2) * f->stride;
+        for (int k = 0; k < 6; k++) cell[k] = f->rise && v == 1 ? balanced[k] : f->flux[v] + (k - 2) * f->stride;
         for (int k = 0; k < 5; k++) back[k] = cell[5 - k];
         r->face(f->n, cell, left);
         r->face(f->n, back, right);

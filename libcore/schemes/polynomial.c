@@ -25,17 +25,17 @@ ALWAYS_INLINE void differences(const int *restrict cell, const double *restrict 
 }
 
 /* The state that is taken from the values of a variable (fit_rest). */
-struct calm {
+struct rest_state {
     const double *rest; /* NULL: nothing is taken */
     double own[LANES], near[LANES];
 };
-ALWAYS_INLINE void find_calm(const struct fit *f, int batch, int v, struct calm *restrict c) {
+ALWAYS_INLINE void find_rest(const struct fit *f, int batch, int v, struct rest_state *restrict c) {
     c->rest = f->rest[v];
     if (!c->rest) return;
     own_values(f, batch, c->rest, c->own);
     own_values(f, batch, f->near, c->near);
 }
-ALWAYS_INLINE void take_calm(const int *restrict cell, const struct calm *restrict c, double *restrict d) {
+ALWAYS_INLINE void take_rest(const int *restrict cell, const struct rest_state *restrict c, double *restrict d) {
     if (!c->rest) return;
     EACH_LANE d[l] -= c->near[l] * (c->rest[cell[l]] - c->own[l]);
 }
@@ -127,10 +127,10 @@ struct batch {
 ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch, const double *const *U,
                                struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     double d[MAX_VAR][LANES], *line[MAX_VAR];
-    struct calm calm[MAX_VAR];
+    struct rest_state rest[MAX_VAR];
     for (int v = 0; v < m + 2; v++) {
         own_values(f, batch, U[v], c->own[v]);
-        find_calm(f, batch, v, &calm[v]);
+        find_rest(f, batch, v, &rest[v]);
         line[v] = d[v];
         EACH_LANE c->bounds[v].low[l] = c->bounds[v].high[l] = 0;
         for (int k = 0; k < ncoef; k++) EACH_LANE a[v][k][l] = 0;
@@ -140,7 +140,7 @@ ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch,
         const double *w = f->member.data + (long)j * ncoef * LANES;
         for (int v = 0; v < m + 2; v++) {
             differences(f->member.cell + (long)j * LANES, U[v], c->own[v], d[v]);
-            take_calm(f->member.cell + (long)j * LANES, &calm[v], d[v]);
+            take_rest(f->member.cell + (long)j * LANES, &rest[v], d[v]);
         }
         boost(m, -1, &c->frame, line);
         for (int v = 0; v < m + 2; v++) {
@@ -333,15 +333,15 @@ ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int bat
     double d[LANES];
     for (int v = 0; v < m + 2; v++) {
         int j = f->sector.start[batch];
-        struct calm calm;
-        find_calm(f, batch, v, &calm);
+        struct rest_state rest;
+        find_rest(f, batch, v, &rest);
         for (int s = 0; s < sectors; s++) {
             double(*restrict at)[LANES] = g + v * each + s * dim;
             for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = 0;
             for (int i = 0; i < f->sector_members[batch]; i++, j++) {
                 const double *w = f->sector.data + (long)j * dim * LANES;
                 differences(f->sector.cell + (long)j * LANES, U[v], own[v], d);
-                take_calm(f->sector.cell + (long)j * LANES, &calm, d);
+                take_rest(f->sector.cell + (long)j * LANES, &rest, d);
                 for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = fma(w[k * LANES + l], d[l], at[k][l]);
             }
         }

@@ -93,8 +93,8 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     const double allowed = maxCo / speed->rate, asked = *dt;
     const struct gas_counts start = g->counts.now;
     const bool creeps = !g->dense || g->dense->longest == 0;
-    const double calm = creeps && gas_can_collapse(g) && speed->calm > 0 ? fraction * (maxCo / speed->calm) : 0;
-    if ((creeps && allowed < least) || (allowed < calm && g->step.slow < 0))
+    const double collapsed = creeps && gas_can_collapse(g) && speed->loose > 0 ? fraction * (maxCo / speed->loose) : 0;
+    if ((creeps && allowed < least) || (allowed < collapsed && g->step.slow < 0))
         return stop_of_collapse(g, t, allowed, speed);
     if (g->step.slow >= STUCK || (g->step.slow >= 2 * SLOW && g->step.slow_dt[1] < 0.5 * g->step.slow_dt[0]))
         return stop_of_collapse(g, t, g->step.slow_dt[1], speed);
@@ -121,7 +121,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
             return g->diffusion.stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
     }
-    bool tiny = *dt < calm && (allowed < calm || *dt < fraction * asked);
+    bool tiny = *dt < collapsed && (allowed < collapsed || *dt < fraction * asked);
     g->step.slow = !tiny ? 0 : g->step.slow > 0 ? g->step.slow + 1 : 1;
     if (g->step.slow % SLOW == 1) g->step.slow_dt[0] = *dt;
     g->step.slow_dt[1] = *dt;

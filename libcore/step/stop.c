@@ -143,7 +143,7 @@ status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *
     struct gas_cell q;
     const struct cause cause = cause_of(g);
     const bool packing =
-        speed->rate > 10 * speed->calm; /* else all gas is as fast, and it is no packing that makes it so */
+        speed->rate > 10 * speed->loose; /* else all gas is as fast, and it is no packing that makes it so */
     if (collapses(g, speed, &q) && packing) return stop_of_collapse(g, t, dt, speed);
     return fail(
         ERR_STATE,

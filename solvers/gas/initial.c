@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct calm {          /* of layers without waves */
+struct flat_layers {   /* of layers without waves */
     bool rests;        /* are they at rest? */
     double background; /* least alpha */
 };
@@ -21,7 +21,7 @@ struct initial_reader { /* what the functions below share */
     const struct field_place *place;
     int dim, components, axis[3];
     const struct gas_models *models;
-    struct calm *calm; /* NULL; or layers are read without waves, and this is filled in */
+    struct flat_layers *flat; /* NULL; or layers are read without waves, and this is filled in */
 };
 
 static void path_of(const struct initial_reader *r, const char *name, char path[TIME_PATH]) {
@@ -43,7 +43,7 @@ static status read_fields(struct initial_reader *r, struct initial *s) {
         e = field_agree(r->place, e);
     }
     const enum field_id density = s->field[FIELD_RHO] ? FIELD_RHO : FIELD_ALPHA;
-    if (!e && r->calm) r->calm->rests = layers_calm(layers[density], &r->calm->background);
+    if (!e && r->flat) r->flat->rests = layers_flatten(layers[density], &r->flat->background);
     if (!e)
         e = layers_apply(layers[density], s->field[density], r->place, r->dim, r->axis, r->models, s->field[FIELD_T]);
     for (int i = 0; i < FIELD_COUNT; i++) layers_free(layers[i]);
@@ -521,24 +521,24 @@ static status read_rest(struct initial_reader *r, struct initial *s) {
     const int n = r->place->mesh->ncells;
     s->ncells = n;
     TRY(read_files(r, s));
-    if (!r->calm->rests) return OK;
+    if (!r->flat->rests) return OK;
     TRY(check_values(r, s));
     TRY(take_state(r, s));
     TRY(pool_take(&s->pool, &s->rests, n, sizeof *s->rests, "state at rest"));
-    const double per = packing_per_density(&r->models->material), least = r->calm->background * (1 + 1e-12);
+    const double per = packing_per_density(&r->models->material), least = r->flat->background * (1 + 1e-12);
     for (int i = 0; i < n; i++) s->rests[i] = per * s->rho[i] > least;
     return r->models->polynomial->degree > 1 ? initial_average(s, r->place, r->dim, r->models) : OK;
 }
 
 status initial_rest(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
                     int components, const int axis[3], const struct gas_models *models, struct initial **out) {
-    struct calm calm = {0};
-    struct initial_reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &calm};
+    struct flat_layers flat = {0};
+    struct initial_reader r = {case_dir, at, place, dim, components, {axis[0], axis[1], axis[2]}, models, &flat};
     struct initial *s = NULL;
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "state at rest"));
     const status e = read_rest(&r, s);
-    if (!e && calm.rests)
+    if (!e && flat.rests)
         *out = s;
     else
         initial_free(s);

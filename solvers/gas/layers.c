@@ -101,7 +101,7 @@ void layers_free(struct layers *l) {
     free(l);
 }
 
-bool layers_calm(struct layers *l, double *background) {
+bool layers_flatten(struct layers *l, double *background) {
     if (!l) return false;
     l->perturbed = false;
     *background = l->background;

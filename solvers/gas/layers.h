@@ -29,7 +29,7 @@ status layers_read_field(const char *path, enum field_id id, const struct field_
 void layers_free(struct layers *l);
 /* Takes the waves away; returns whether what remains is at rest: a hydrostatic settledLayer, where alpha is above its
  * *background. l may be NULL. */
-bool layers_calm(struct layers *l, double *background);
+bool layers_flatten(struct layers *l, double *background);
 void layers_list(FILE *f);                /* prints keys, defaults, ranges */
 void layers_keywords(struct keywords *k); /* goes through the same, for the reference */
 

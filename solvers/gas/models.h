@@ -26,7 +26,7 @@ struct case_models {
     struct sources source;            /* sources of constant/granularProperties alone, vectors along physical axes */
     struct gas_models gas;
     struct forces forces;
-    double min_fraction; /* fraction of the calm time step below which the gas has collapsed */
+    double min_fraction; /* fraction of the time step of loose gas below which the gas has collapsed */
     bool skip_axes;      /* is an axis along which the run is uniform computed on one layer of cells? */
     struct dict *properties, *schemes, *solution;
 };

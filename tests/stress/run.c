@@ -428,7 +428,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
     gas_speed(g, &speed);
     const double end = out->end = s->problem->end > 0 ? s->problem->end : s->problem->duration / speed.rate;
     /* minDeltaTFraction; the first state may be dense already: its own time step is no collapse */
-    const double fraction = o->fraction * (speed.calm > 0 ? speed.calm / speed.rate : 1);
+    const double fraction = o->fraction * (speed.loose > 0 ? speed.loose / speed.rate : 1);
     const double fall = fall_of(s);
     const int cap = o->cap * (s->problem->patience ? s->problem->patience : 1);
     out->least = 1;

@@ -85,7 +85,7 @@ static inline void flux_of_grains(struct strip *s, const struct material *m, con
     struct lifts l;
     if (s->gravity != 0) lift(s, first, &l, &f);
     if (s->gravity != 0)
-        flux_calmed(flux, &f, eos_find("GoldshteinShapiro"), m, r);
+        flux_undamped(flux, &f, eos_find("GoldshteinShapiro"), m, r);
     else
         flux->through(&f, eos_find("GoldshteinShapiro"), m, r);
     for (int i = 0; i < n && s->gravity != 0; i++) s->out[1][i] += l.P[first + i];

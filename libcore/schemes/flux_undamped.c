@@ -10,7 +10,7 @@ struct at_rest { /* are some faces of a batch, or all, at rest: w > 0, w = 1? */
     bool some, all;
 };
 /* Computes w. */
-KERNEL static struct at_rest calm_part(const struct faces *f, double *restrict part) {
+KERNEL static struct at_rest rest_part(const struct faces *f, double *restrict part) {
     const double *rho = f->state[0], *p = f->p, *c = f->c, *u = f->velocity[0];
     const double *low = f->base[0], *high = f->base[1], *P = f->rest;
     const long d = f->stride;
@@ -26,21 +26,21 @@ KERNEL static struct at_rest calm_part(const struct faces *f, double *restrict p
     return (struct at_rest){some != 0, open == 0};
 }
 
-KERNEL static void mix(int n, const double *restrict part, const double *restrict calm, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = part[i] > 0 ? part[i] * calm[i] + (1 - part[i]) * out[i] : out[i];
+KERNEL static void mix(int n, const double *restrict part, const double *restrict common, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = part[i] > 0 ? part[i] * common[i] + (1 - part[i]) * out[i] : out[i];
 }
 
-void flux_calmed(const struct flux *flux, const struct faces *f, const struct eos *eos, const struct material *m,
-                 const struct reconstruct *r) {
+void flux_undamped(const struct flux *flux, const struct faces *f, const struct eos *eos, const struct material *m,
+                   const struct reconstruct *r) {
     double part[BATCH], out[MAX_VAR][BATCH];
-    const struct at_rest calm = flux->damps ? calm_part(f, part) : (struct at_rest){false, false};
+    const struct at_rest rests = flux->damps ? rest_part(f, part) : (struct at_rest){false, false};
     struct faces common = *f;
-    if (!calm.all) flux->through(f, eos, m, r);
-    if (!calm.some) return;
+    if (!rests.all) flux->through(f, eos, m, r);
+    if (!rests.some) return;
     common.p = NULL; /* no rules of single faces */
     common.rule = NULL;
     common.params = NULL;
-    for (int v = 0; v < f->dim + 2 && !calm.all; v++) common.out[v] = out[v];
+    for (int v = 0; v < f->dim + 2 && !rests.all; v++) common.out[v] = out[v];
     flux_find("common")->through(&common, eos, m, r);
-    for (int v = 0; v < f->dim + 2 && !calm.all; v++) mix(f->n, part, out[v], f->out[v]);
+    for (int v = 0; v < f->dim + 2 && !rests.all; v++) mix(f->n, part, out[v], f->out[v]);
 }
