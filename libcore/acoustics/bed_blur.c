@@ -4,7 +4,7 @@
 
 /* The sums over the cells of a block: L, V rho |u|^2/2, V rho eps, V rho, V rho u. */
 enum { LOST, MOTION, HEAT, MASS, MOMENTUM, SUMS = MOMENTUM + MAX_DIM };
-/* SLIGHT of the heat counts as motion: in a bed at rest both are round-off. QUIET of the mean motion of the bed counts
+/* SLIGHT of the heat counts as motion: in a bed at own both are round-off. QUIET of the mean motion of the bed counts
  * as that of each block: nobody sees what is lost where next to nothing moves. */
 static const double SLIGHT = 1e-10, QUIET = 0.01;
 _Static_assert((int)SUMS == (int)BLUR_SUMS, "the memory has room for the sums");
@@ -32,9 +32,9 @@ KERNEL static void blur_primitives(int n, int components, const double *const *U
 KERNEL static void blur_change(int n, double fall, const double *restrict u, const double *restrict after,
                                double *restrict square, double *restrict less) {
     for (int i = 0; i < n; i++) {
-        const double du = after[i] - u[i], rest = du - fall;
+        const double du = after[i] - u[i], own = du - fall;
         square[i] += du * du;
-        less[i] += rest * rest;
+        less[i] += own * own;
     }
 }
 

@@ -2,11 +2,11 @@
 /* The deal of a bed. A bed lies where gravity puts it, perhaps in the tiles of one rank. So its blocks are dealt to all
  * ranks by the number of their cells, whoever owns the cells of the mesh: each rank is home to the cells of its own
  * mesh (b->home), and computes those that it is dealt (b->set), which have ghosts. Every rank gets the same number of
- * cells: a global sum lies between the stages of the rest and the bed's step, so that time saved in one of them cannot
- * be used in the other. Lists go out from home when the set has changed, states in every step; results come back. As
- * blocks stay whole the bits of a step do not depend on the deal. A face between cells of two homes is listed twice,
- * even if one rank computes both cells. Homes write the lists behind the first stage, and send them after the last: the
- * home of a bed has more to list and less to do in the stages, and so nobody waits in between. */
+ * cells: a global sum lies between the stages of the other cells and the bed's step, so that time saved in one of them
+ * cannot be used in the other. Lists go out from home when the set has changed, states in every step; results come
+ * back. As blocks stay whole the bits of a step do not depend on the deal. A face between cells of two homes is listed
+ * twice, even if one rank computes both cells. Homes write the lists behind the first stage, and send them after the
+ * last: the home of a bed has more to list and less to do in the stages, and so nobody waits in between. */
 #include "libcore/acoustics/bed_private.h"
 
 #include <stdlib.h>

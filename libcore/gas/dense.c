@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Implicit acoustics of dense cells: which cells, and when (docs/physics.md 9.2). Near packing sound limits dt to a
  * thousandth and less of what the flow would need. So dense cells and three rings of neighbours, the bed, take one
- * implicit step (libcore/acoustics/bed.h), the rest the Runge-Kutta step, and both share the fluxes between them:
+ * implicit step (libcore/acoustics/bed.h), all others the Runge-Kutta step, and both share the fluxes between them:
  *
- *     half the sources | half the diffusion | stages of the rest | half the diffusion | half the sources | the bed
+ *     half the sources | half the diffusion | stages of the others | half the diffusion | half the sources | the bed
  *
- * The bed's cells keep their state through the stages. They come last, with the fluxes of the stages towards the rest,
- * because a pressure that the sources changed last would be out of balance with the weight. Gravity
- * acts on the bed in the acoustics, on other cells as in explicit steps. Where no cell is dense, or a step would not be
- * much longer, steps are explicit, to the bit. */
+ * The bed's cells keep their state through the stages. They come last, with the fluxes of the stages towards the
+ * others, because a pressure that the sources changed last would be out of balance with the weight. Gravity acts on the
+ * bed in the acoustics, on other cells as in explicit steps. Where no cell is dense, or a step would not be much
+ * longer, steps are explicit, to the bit. */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>

@@ -200,9 +200,9 @@ status dense_list(struct gas *g, status s, long rows, int sides) {
     TRY(comm_agree(g->comm, s));
     TRY(bed_list(&d->bed, sides));
     for (int b = 0; b < g->dense->blocks; b++) memset(d->number[b], 0, (size_t)g->size * sizeof **d->number);
-    double rest = d->bed.home->cells < d->own;
-    comm_max(g->comm, &rest, 1);
-    d->alone = rest == 0;
+    double outside = d->bed.home->cells < d->own;
+    comm_max(g->comm, &outside, 1);
+    d->alone = outside == 0;
     d->rows = d->borders = d->bed.home->faces = 0;
     return OK;
 }

@@ -192,7 +192,7 @@ static long super_step(struct gas *g, enum diffusing what, const struct state *Y
     g->models.diffusion->stage(stages, 1, c);
     weight[0] = c[2] * l->dt;
     renew_patches(g, l->t + 0.5 * l->dt);
-    g->engine->diffusion.begin(g, what, Y0, weight[0], l->rest);
+    g->engine->diffusion.begin(g, what, Y0, weight[0], l->pending);
     for (int j = 2; j <= stages; j++) {
         g->models.diffusion->stage(stages, j, c);
         if (j == 2) c[1] = 0; /* S_0 = 0 */
@@ -241,7 +241,7 @@ static bool too_stiff(struct gas *g, const struct state *from, double dt, const 
 /* Returns the i-th of `parts` equal parts of a lapse. */
 static struct lapse part_of(const struct lapse *l, long i, long parts) {
     const double n = (double)parts;
-    return (struct lapse){l->t + l->dt * (double)i / n, l->dt / n, l->rest - l->part * (double)i / n, l->part / n};
+    return (struct lapse){l->t + l->dt * (double)i / n, l->dt / n, l->pending - l->part * (double)i / n, l->part / n};
 }
 
 /* Covers a lapse by super steps, or by an implicit step; returns this rank's number of inadmissible cells. */

@@ -120,9 +120,9 @@ struct diffusion_hooks {
     /* Computes div u in the cells of a row, with the mean u of both states, whose ghosts are filled. */
     void (*spread)(const struct gas *g, const struct state *from, const struct state *to, const struct row *row,
                    double *spread);
-    /* Sets q_0 = u (VISCOUS), or T - rest friction - (g->diffusion.late ? cooled : 0) (HEAT), of Y0, and S_1 = factor
-     * q_0. */
-    void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+    /* Sets q_0 = u (VISCOUS), or T - pending friction - (g->diffusion.late ? cooled : 0) (HEAT), of Y0, and S_1 =
+     * factor q_0. */
+    void (*begin)(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
     /* Computes S_j = c[0] S_(j-1) + c[1] S_(j-2) + c[2] q_(j-1) + c[3] q_0 + c[4] friction; c[2], c[3] and c[4] hold
      * dt. weight: the value of S_(j-1) if q were 1 throughout, for S beyond patches that hold a value. */
     void (*stage)(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5], double weight);
@@ -154,7 +154,7 @@ struct implicit_hooks {
 /* What a cell is to the bed of a step with implicit acoustics (libcore/gas/dense.c): dense cells, hard ones among them,
  * the neighbours of hard ones, and two rings around these. The Runge-Kutta stages leave the inner parts, frozen and up,
  * as they are, so that they see no fast sound; they do advance the two rings, for the sake of the fluxes between the
- * bed and the rest alone. */
+ * bed and the other cells alone. */
 enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE, BED_HARD };
 struct bed_speeds { /* of a row of cells: eps, p; 1/s: sum_k |u_k|/width_k, sum_k (|u_k| + c)/width_k */
     double eps[BATCH], p[BATCH], flow[BATCH], thin[BATCH];

@@ -38,7 +38,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct room room;     /* the memory of row, border */
     double thin;          /* kg/m^3: below it cells are near vacuum */
     double above, hard;   /* kg/m^3: denser cells are dense, or hard */
-    double **part;        /* [blocks][size] enum bed_part, 0: of the rest; ghosts too */
+    double **part;        /* [blocks][size] enum bed_part, 0: none; ghosts too */
     bool alone;           /* is every cell one of the bed? */
     double inertia;       /* of the dense cells in the last plan */
     double cooling;       /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
@@ -217,7 +217,7 @@ void note_cooled(struct gas *g, const struct state *from, const struct state *to
 struct lapse {    /* one step of stress or conduction */
     double t, dt; /* its start and its length, s */
     /* fraction of the half step's frictional heating that Y0's T contains although it is not yet conducted */
-    double rest;
+    double pending;
     double part; /* fraction of that heating that this step adds */
 };
 
@@ -258,8 +258,8 @@ status dense_begin(struct gas *g, const struct state *from);
 /* Keeps the fluxes of a stage towards the bed, and behind the first stage writes the bed's lists, if there are new
  * ones: a rank with more of the bed has less to do in each of the stages. */
 void dense_keep(struct gas *g, double weight);
-/* Advances the bed and puts it into `to`, behind the stages of the rest; in a guarded step the floors mend its cells.
- * Returns false, on all ranks, if the step must be done again. */
+/* Advances the bed and puts it into `to`, behind the stages of the other cells; in a guarded step the floors mend its
+ * cells. Returns false, on all ranks, if the step must be done again. */
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to);
 /* Was the step of *dt just refused by the bed? Then sets *dt to an explicit one, and begins
  * the pause. */
@@ -350,7 +350,7 @@ void freeze_row(const struct gas *g, int n, const struct advance *s, const doubl
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
 /* Computes q_0 of a row (diffusion_hooks.begin), of which components of u, or T alone, go to lines q. */
-void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double rest,
+void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double pending,
                double *const *q);
 struct moved { /* what the flux of the last S of diffusion brings to n <= BATCH cells of a block */
     enum diffusing what;

@@ -454,10 +454,10 @@ static void take_start(struct implicit *m, struct problem *p, const struct lapse
     const struct engine *engine = p->gas->engine;
     engine->diffusion.begin(p->gas, p->what, p->Y0, 1, 0);
     move(p->gas, p->what, m->source, false);
-    engine->diffusion.begin(p->gas, p->what, p->Y0, 1, l->rest);
+    engine->diffusion.begin(p->gas, p->what, p->Y0, 1, l->pending);
     move(p->gas, p->what, m->q, false);
     for (int k = 0; k < p->system.rows; k++)
-        m->source[k] = l->rest > 0 ? l->part / l->rest * (m->source[k] - m->q[k]) : 0;
+        m->source[k] = l->pending > 0 ? l->part / l->pending * (m->source[k] - m->q[k]) : 0;
 }
 
 long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to,

@@ -71,10 +71,10 @@ ALWAYS_INLINE void update_falling_dim(const int dim, const bool some, int n, lon
         const double one = v >= 1 && v <= dim ? g[v - 1] : 0;
         for (int i = 0; i < n; i++) {
             const double part = some ? share[i] : 1, all[MAX_DIM] = {part * g[0], part * g[1], part * g[2]};
-            const double rest = v == 0     ? 0
+            const double pull = v == 0     ? 0
                                 : v <= dim ? from[i] * (part * one)
                                            : power_of(dim, size, from + size, all, i);
-            const double gain = v == 0 ? residual[i] : residual[v * each + i] + rest;
+            const double gain = v == 0 ? residual[i] : residual[v * each + i] + pull;
             const double moved = from[v * size + i] + dt * gain;
             to[v * size + i] = moved + a * (U0[v * size + i] - moved);
         }
@@ -217,7 +217,7 @@ int row_limited(const struct gas *g, int n, const double *from, const double *to
     return out || crowded ? raise_marks(n, bad, flags) : 0;
 }
 
-void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double rest,
+void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double pending,
                double *const *q) {
     const double *friction = g->diffusion.friction[row->block] + row->at,
                  *cooled = g->diffusion.cooled[row->block] + row->at;
@@ -225,7 +225,7 @@ void start_row(const struct gas *g, enum diffusing what, const struct state *Y0,
     velocity_row(row->n, g->components, g->size, Y0->block[row->block] + row->at, what == VISCOUS ? q : u, eps);
     for (int i = 0; i < row->n && what == HEAT; i++)
         q[0][i] =
-            temperature_of(&g->models.material, eps[i]) - rest * friction[i] - (g->diffusion.late ? cooled[i] : 0);
+            temperature_of(&g->models.material, eps[i]) - pending * friction[i] - (g->diffusion.late ? cooled[i] : 0);
 }
 
 KERNEL static void moved_line(int n, double factor, const double *restrict from, const double *restrict M,

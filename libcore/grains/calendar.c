@@ -113,7 +113,7 @@ static int find_groups(struct calendar *c) {
     int m = 0;
     for (int block = 0; block < c->groups[2]; block++) {
         if (!(c->least[2][block] <= c->horizon)) continue;
-        double rest = HUGE_VAL;
+        double others = HUGE_VAL;
         for (int q = block * GROUP; q < (block + 1) * GROUP; q++) {
             double least = c->least[1][q];
             if (least <= c->horizon) {
@@ -121,10 +121,10 @@ static int find_groups(struct calendar *c) {
                 __builtin_prefetch(&c->least[0][q * GROUP]);
                 __builtin_prefetch(&c->least[0][q * GROUP + GROUP / 2]);
             } else {
-                rest = least < rest ? least : rest;
+                others = least < others ? least : others;
             }
         }
-        c->least[2][block] = rest;
+        c->least[2][block] = others;
     }
     return m;
 }

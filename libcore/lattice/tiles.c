@@ -202,11 +202,11 @@ static bool tiles_block_uniform(const struct gas *g, int block, enum gas_field f
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {
     const struct forest *f = g->forest;
     const struct tile *t = &f->tile[tile];
-    long rest = offset - f->first, at[3] = {0, 0, 0};
+    long remains = offset - f->first, at[3] = {0, 0, 0};
     for (int k = 2; k >= 0; k--) {
         if (t->n[k] == 1 && k >= g->dim) continue;
-        at[k] = rest / f->stride[k];
-        rest -= at[k] * f->stride[k];
+        at[k] = remains / f->stride[k];
+        remains -= at[k] * f->stride[k];
     }
     for (int k = 0; k < 3; k++) place[k] = 0;
     for (int k = 0; k < g->dim; k++)

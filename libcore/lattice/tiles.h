@@ -94,7 +94,7 @@ void tiles_diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
 void tiles_diffusion_ghosts(struct gas *g, const struct state *s);
-void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);
 long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,

@@ -194,12 +194,12 @@ static struct listing list_cells(struct gas *g, bool blocks) {
 static int patch_beyond(const struct gas *g, int tile, long at, int axis, bool above) {
     const struct tile *t = &g->forest->tile[tile];
     const struct forest *f = g->forest;
-    long rest = at - f->first;
+    long remains = at - f->first;
     int place = 0;
     for (int k = 2; k >= axis; k--) {
         if (k >= g->dim) continue;
-        place = (int)(rest / f->stride[k]);
-        rest -= place * f->stride[k];
+        place = (int)(remains / f->stride[k]);
+        remains -= place * f->stride[k];
     }
     return place == (above ? t->n[axis] - 1 : 0) ? t->side[2 * axis + above].patch : -1;
 }

@@ -5,10 +5,10 @@
 
 int face_at_side(const struct forest *f, int tile, int side, long offset) {
     const int across = side < 2 ? 1 : 0, deep = side < 4 ? 2 : 1;
-    long rest = offset - f->first, at[3] = {0, 0, 0};
+    long remains = offset - f->first, at[3] = {0, 0, 0};
     for (int k = f->dim - 1; k >= 0; k--) {
-        at[k] = rest / f->stride[k];
-        rest -= at[k] * f->stride[k];
+        at[k] = remains / f->stride[k];
+        remains -= at[k] * f->stride[k];
     }
     return (int)(at[deep] * f->tile[tile].n[across] + at[across]);
 }

@@ -19,7 +19,7 @@ struct beginning { /* what begin_visit needs */
     enum diffusing what;
     const struct state *Y0;
     int tile;
-    double rest;
+    double pending;
 };
 
 static void begin_visit(void *context, long offset, int n) {
@@ -27,7 +27,7 @@ static void begin_visit(void *context, long offset, int n) {
     double *q[MAX_DIM] = {NULL};
     for (int v = 0; v < lines_of(b->g, b->what); v++)
         q[v] = b->g->tiles->diffuser->start[b->tile] + v * b->g->size + offset;
-    start_row(b->g, b->what, b->Y0, &(struct row){b->tile, offset, n}, b->rest, q);
+    start_row(b->g, b->what, b->Y0, &(struct row){b->tile, offset, n}, b->pending, q);
 }
 
 KERNEL static void first_sums(long n, double factor, const double *restrict start, double *restrict S,
@@ -46,11 +46,11 @@ static bool beyond_counts(const struct gas *g, const struct tile *t) {
     return counts;
 }
 
-void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
+void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending) {
     const struct forest *f = g->forest;
     struct diffuser *d = g->tiles->diffuser;
     for (int t = 0; t < f->ntiles; t++) {
-        struct beginning b = {g, what, Y0, t, rest};
+        struct beginning b = {g, what, Y0, t, pending};
         const bool beyond = beyond_counts(g, &f->tile[t]);
         if (beyond) ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], beyond, begin_visit, &b);

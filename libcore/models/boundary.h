@@ -47,7 +47,7 @@ struct wall_line { /* n <= BATCH cells at a wall of a gas with transport */
     const double *shear, *heat; /* [n] viscosity and conductivity between the cell and the wall */
     const double *slip;         /* [n] m^2/s^2: square of the cell's velocity along the wall, relative to the wall */
     const double *cross;        /* [n] coefficients of grad rho in the heat flux (transport.h); NULL: there are none */
-    /* The rest is by wall_shares. */
+    /* wall_shares sets the others. */
     double surface[BATCH]; /* T of the gas on the wall itself */
     double warmth[BATCH];  /* rise of `surface` by friction, and by `fed`, if the wall took no heat */
     double lift[BATCH];    /* what these add to T of the mirror image, beside the jump share (T_w - T) */

@@ -136,10 +136,10 @@ struct contact {
 
 /* Returns chi below freezing; *slope = dchi/dnu. */
 ALWAYS_INLINE double fluid_value(int d, double nu, double *slope) {
-    const double a = d == 2 ? 0.436 : 0.5, inverse = 1 / (1 - nu), rest = 1 - a * nu;
+    const double a = d == 2 ? 0.436 : 0.5, inverse = 1 / (1 - nu), factor = 1 - a * nu;
     double power = d == 2 ? inverse * inverse : inverse * inverse * inverse;
-    *slope = (d * rest * inverse - a) * power;
-    return rest * power;
+    *slope = (d * factor * inverse - a) * power;
+    return factor * power;
 }
 /* Returns d^2 chi/dnu^2 below freezing. */
 ALWAYS_INLINE double fluid_curvature(int d, double nu) {
@@ -156,13 +156,13 @@ ALWAYS_INLINE struct contact contact_make(int d, const struct material *m) {
                         .dense = value * (m->alpha_max - m->freezing),
                         .smoothing = m->smoothing};
     if (h == 0) return t;
-    double rest = t.packed - (t.freezing + m->smoothing), high = t.dense / rest;
+    double width = t.packed - (t.freezing + m->smoothing), high = t.dense / width;
     t.inverse = 1 / h;
     t.c[0] = fluid_value(d, m->freezing - m->smoothing, &slope);
     t.c[1] = h * slope;
     t.c[2] = 0.5 * h * h * fluid_curvature(d, m->freezing - m->smoothing);
-    double D0 = high - t.c[0] - t.c[1] - t.c[2], D1 = h * (high / rest) - t.c[1] - 2 * t.c[2];
-    double D2 = h * h * (2 * high / (rest * rest)) - 2 * t.c[2];
+    double D0 = high - t.c[0] - t.c[1] - t.c[2], D1 = h * (high / width) - t.c[1] - 2 * t.c[2];
+    double D2 = h * h * (2 * high / (width * width)) - 2 * t.c[2];
     t.c[3] = 10 * D0 - 4 * D1 + 0.5 * D2;
     t.c[4] = -15 * D0 + 7 * D1 - D2;
     t.c[5] = 6 * D0 - 3 * D1 + 0.5 * D2;

@@ -83,9 +83,9 @@ static inline double logarithm(double x) {
     return fma(k, 0.69314718055994530942, 2 * fma(s * w, series, s));
 }
 
-/* e^y = 2^n (1 + rest), |rest| < 0.42, |y| < 690: rest = e^r - 1 on |r| <= ln 2 / 2 by a Chebyshev fit of
+/* e^y = 2^n (1 + fraction), |fraction| < 0.42, |y| < 690: fraction = e^r - 1 on |r| <= ln 2 / 2 by a Chebyshev fit of
  * (e^r - 1 - r)/r^2 (error 1.1e-16, r^2 < 0.13 times). *exponent = n << 52, to be added to the bits of a double. */
-static inline double exponential_rest(double y, uint64_t *exponent) {
+static inline double exponential_fraction(double y, uint64_t *exponent) {
     const double round_bits = 6755399441055744.0; /* 1.5 * 2^52: adding it rounds to an integer */
     double shifted_n = fma(y, 1.4426950408889634074, round_bits), n = shifted_n - round_bits;
     /* subtracts n ln 2 in two parts */
@@ -102,7 +102,7 @@ static inline double exponential_rest(double y, uint64_t *exponent) {
 }
 static inline double exponential(double y) {
     uint64_t exponent;
-    double e = 1 + exponential_rest(y, &exponent);
+    double e = 1 + exponential_fraction(y, &exponent);
     return double_of(bits_of(e) + exponent);
 }
 
@@ -115,8 +115,8 @@ static inline double power(double x, double a) {
  * small y is. */
 static inline double exponential_minus_one(double y) {
     uint64_t exponent;
-    double rest = exponential_rest(y, &exponent), scale = double_of(bits_of(1.0) + exponent);
-    return fma(scale, rest, scale - 1);
+    double fraction = exponential_fraction(y, &exponent), scale = double_of(bits_of(1.0) + exponent);
+    return fma(scale, fraction, scale - 1);
 }
 static inline double logarithm_plus_one(double y) {
     double u = 1 + y;

@@ -38,13 +38,13 @@ static double swing(const struct sources *s, double t, double dt) {
     return omega > 0 ? (sin(omega * (t + dt) + s->phase) - sin(omega * t + s->phase)) / omega : dt * cos(s->phase);
 }
 
-/* Returns the integral of (a + slope (t' - t)) cos(omega t' + phase) from t to t + dt, by parts; `rest` is minus the
+/* Returns the integral of (a + slope (t' - t)) cos(omega t' + phase) from t to t + dt, by parts; `swung` is minus the
  * integral of sin(omega t' + phase). */
 static double sloping_swing(const struct sources *s, double t, double dt, double a, double slope) {
     double omega = 2 * PI * s->frequency, end = omega * (t + dt) + s->phase;
     if (!(omega > 0)) return (a + 0.5 * slope * dt) * dt * cos(s->phase);
-    double rest = (cos(end) - cos(omega * t + s->phase)) / omega;
-    return a * swing(s, t, dt) + slope * (dt * sin(end) + rest) / omega;
+    double swung = (cos(end) - cos(omega * t + s->phase)) / omega;
+    return a * swing(s, t, dt) + slope * (dt * sin(end) + swung) / omega;
 }
 
 /* Returns the integral of a(t') cos(omega t' + phase) from t to t + dt with the ramp's a, from knot to knot. */

@@ -114,8 +114,8 @@ static void correct(struct multigrid *m, int level) {
     double *const x = l->x;
     apply(m, l, x, v);
     multigrid_dots(m, l, 3, (const double *const[]){x, c, x}, (const double *const[]){l->r, v, v}, sum);
-    const double gain = sum[0], along = sum[1], rest = sum[2] - along * along / bend;
-    const double second = rest > 0 ? gain / rest : 0, first = step - along / bend * second;
+    const double gain = sum[0], along = sum[1], across = sum[2] - along * along / bend;
+    const double second = across > 0 ? gain / across : 0, first = step - along / bend * second;
     for (int i = 0; i < all; i++) c[i] = first * c[i] + second * x[i];
 }
 

@@ -208,7 +208,7 @@ void cells_diffuser_free(struct cells_diffuser *d);
 void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
 void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
 void cells_diffusion_ghosts(struct gas *g, const struct state *s);
-void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest);
+void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);
 long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,

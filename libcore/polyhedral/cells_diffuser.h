@@ -19,14 +19,14 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *alike, *keep;                /* of cells_find_keep, for the fluxes of heat; NULL where no r is not 0 */
     double *face[3];                     /* lambda, shear, heat times the area */
     double *inverse;                     /* 1/(n.e) */
-    double *share;         /* fraction of the way from the left centre to the right one that lies before the face */
-    double *rest[MAX_DIM]; /* r = n - e/(n.e) */
-    bool skewed;           /* is any r not 0? */
-    int last;              /* which of the two sums is that of the last stage */
-    struct rows weights;   /* of the gradients */
+    double *share;            /* fraction of the way from the left centre to the right one that lies before the face */
+    double *oblique[MAX_DIM]; /* r = n - e/(n.e) */
+    bool skewed;              /* is any r not 0? */
+    int last;                 /* which of the two sums is that of the last stage */
+    struct rows weights;      /* of the gradients */
 };
 
-/* The coefficient of two ways one behind the other: `share` of the way with a, the rest with b. Two zeros give 0. */
+/* The coefficient of two ways one behind the other: `share` of the way with a, 1 - share with b. Two zeros give 0. */
 ALWAYS_INLINE double harmonic(double share, double a, double b) {
     return a * b / (share * b + (1 - share) * a + 1e-300);
 }

@@ -49,11 +49,11 @@ static void measure_faces(const struct polyhedra *m, struct cells_diffuser *d) {
         d->share[i] = smaller(larger(before / across, CLOSEST), 1 - CLOSEST);
         if (i >= m->face.ninternal || fabs(d->share[i] - 0.5) < round_off) d->share[i] = 0.5;
         for (int k = 0; k < m->dim; k++) {
-            d->rest[k][i] = m->face.normal[k][i] - e[k] / across;
-            most = larger(most, fabs(d->rest[k][i]));
+            d->oblique[k][i] = m->face.normal[k][i] - e[k] / across;
+            most = larger(most, fabs(d->oblique[k][i]));
         }
         const bool straight = i >= m->face.ninternal || most < round_off;
-        for (int k = 0; k < m->dim && straight; k++) d->rest[k][i] = 0;
+        for (int k = 0; k < m->dim && straight; k++) d->oblique[k][i] = 0;
         d->skewed = d->skewed || !straight;
     }
 }
@@ -80,7 +80,7 @@ status cells_diffuser_make(struct gas *g) {
     }
     if (g->diffusion.terms.cross) TRY(cells_cross_make(g, d));
     TRY(lines_allocate(d->face, 3, faces));
-    TRY(lines_allocate(d->rest, g->dim, faces));
+    TRY(lines_allocate(d->oblique, g->dim, faces));
     TRY(lines_allocate(&d->inverse, 1, faces));
     TRY(lines_allocate(&d->share, 1, faces));
     measure_faces(m, d);
@@ -97,7 +97,7 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->gradient, MAX_DIM * MAX_DIM);
     lines_drop(d->cell, 3);
     lines_drop(d->face, 3);
-    lines_drop(d->rest, MAX_DIM);
+    lines_drop(d->oblique, MAX_DIM);
     free(d->T);
     free(d->wall.drag);
     free(d->wall.heat);
@@ -218,7 +218,7 @@ void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state
 
 /* q_0 and S_1 are set in ghosts and mirrors, too: rules may take q_0 from beyond a patch, and the mirrors of near
  * ghosts are made from the ghosts. */
-void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double rest) {
+void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int size = g->cells->polyhedra->size;
     cells_diffusion_ghosts(g, Y0);
@@ -226,7 +226,7 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
         const int n = size - at < BATCH ? size - at : BATCH;
         double *q[MAX_DIM] = {NULL};
         for (int v = 0; v < lines_of(g, what); v++) q[v] = d->start[v] + at;
-        start_row(g, what, Y0, &(struct row){0, at, n}, rest, q);
+        start_row(g, what, Y0, &(struct row){0, at, n}, pending, q);
         for (int v = 0; v < lines_of(g, what); v++)
             for (int i = 0; i < n; i++) d->sum[d->last][v][at + i] = factor * q[v][i];
     }
@@ -246,7 +246,7 @@ struct sides { /* a batch of faces, and the cells on both sides */
     const int *left, *right;
     const double *share, *inverse,
         *keep; /* keep: 0 on faces that leave out the gradients, else 1; NULL: all take them */
-    const double *normal[MAX_DIM], *rest[MAX_DIM];
+    const double *normal[MAX_DIM], *oblique[MAX_DIM];
     const double *face[3];
 };
 
@@ -284,7 +284,7 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, const struct sides *f, double *
             double along = 0;
             a[c][i] *= g.inverse[i];
             for (int k = 0; k < dim && dim > 1; k++) {
-                a[c][i] += g.rest[k][i] * M[k * m + c][i];
+                a[c][i] += g.oblique[k][i] * M[k * m + c][i];
                 along += g.normal[k][i] * M[k * m + c][i];
             }
             stretch[i] += g.normal[c][i] * (a[c][i] - along);
@@ -302,7 +302,7 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, const struct sides *f, double *
     for (int c = dim; c < m; c++)
         for (int i = 0; i < g.n; i++) {
             double slope = a[c][i] * g.inverse[i];
-            for (int k = 0; k < dim && dim > 1; k++) slope += g.rest[k][i] * M[k * m + c][i];
+            for (int k = 0; k < dim && dim > 1; k++) slope += g.oblique[k][i] * M[k * m + c][i];
             found[c][i] = -(g.face[1][i] * slope);
             found[m][i] += found[c][i] * at[c][i];
         }
@@ -316,7 +316,7 @@ ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, d
     for (int i = 0; i < f->n; i++) out[i] = jump[i] * f->inverse[i];
     for (int k = 0; k < dim && gradient; k++) {
         take_mean(f, gradient[k], M[k]);
-        for (int i = 0; i < f->n; i++) out[i] += f->rest[k][i] * M[k][i];
+        for (int i = 0; i < f->n; i++) out[i] += f->oblique[k][i] * M[k][i];
     }
     for (int i = 0; i < f->n; i++) out[i] *= -f->face[2][i];
 }
@@ -357,7 +357,7 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
         double *out[MAX_VAR] = {0};
         for (int k = 0; k < g->dim; k++) {
             f.normal[k] = m->normal[k] + at;
-            f.rest[k] = d->rest[k] + at;
+            f.oblique[k] = d->oblique[k] + at;
         }
         for (int i = 0; i < 3; i++) f.face[i] = d->face[i] + at;
         for (int v = 0; v <= g->components; v++) out[v] = c->flux[v] + at;

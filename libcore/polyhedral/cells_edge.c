@@ -275,18 +275,18 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, const dou
 }
 
 /* The walls that gas slips along get of the work of the stress f on it what f does on the wall itself, and heat: of
- * the rest, which the mean of both cells' velocities counts as lost, a part stays in the gas. */
+ * what is left, which the mean of both cells' velocities counts as lost, a part stays in the gas. */
 void cells_slide(const struct gas *g, double weight, const double *stays, double *const *S) {
     const struct polyhedra *m = g->cells->polyhedra;
     for (int i = 0; i < m->face.n - m->face.ninternal; i++) {
         const struct patch_rules *r = &g->patches.rules[m->mirror.patch[i]];
         const int face = m->face.ninternal + i;
-        double w[MAX_DIM], rest = 0;
+        double w[MAX_DIM], drag = 0;
         if (!wall_slides(r)) continue;
         wall_velocity(r, g->components, m->mirror.place[i], w);
         for (int k = 0; k < g->components; k++)
-            rest += g->cells->flux[k][face] * (weight * w[k] - 0.5 * (S[k][m->mirror.cell[i]] + S[k][m->ncells + i]));
-        g->cells->flux[g->components][face] += stays[i] * rest;
+            drag += g->cells->flux[k][face] * (weight * w[k] - 0.5 * (S[k][m->mirror.cell[i]] + S[k][m->ncells + i]));
+        g->cells->flux[g->components][face] += stays[i] * drag;
     }
 }
 

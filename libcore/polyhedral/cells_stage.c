@@ -407,7 +407,7 @@ static void sweep(struct stage *t) {
     }
 }
 
-/* Does the rest, once the ghosts and the mirrors beyond them are known. */
+/* Does what is left of a stage, once the ghosts and the mirrors beyond them are known. */
 static long finish_sweep(struct stage *t) {
     struct gas *g = t->g;
     const struct cells *c = g->cells;

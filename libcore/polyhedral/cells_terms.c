@@ -42,7 +42,7 @@ static void open_faces(struct gas *g, const double *rho, bool skewed) {
         const int left = f->left[i], right = f->right[i];
         double slope = (rho[right] - rho[left]) * d->inverse[i];
         for (int k = 0; k < g->dim && skewed && i < f->ninternal; k++)
-            slope += d->keep[i] * d->rest[k][i] * (0.5 * (d->gradient[k][left] + d->gradient[k][right]));
+            slope += d->keep[i] * d->oblique[k][i] * (0.5 * (d->gradient[k][left] + d->gradient[k][right]));
         const bool alike = cross[left] * cross[right] > 0; /* else cross passes through 0 between the cells */
         const double most = 2 * harmonic(d->share[i], fabs(cross[left]) * rho[left], fabs(cross[right]) * rho[right]);
         const double mean = alike ? harmonic(d->share[i], cross[left], cross[right]) : 0;

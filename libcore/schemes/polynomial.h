@@ -46,7 +46,7 @@ void fit_keep(struct fit *f, double least, double most);
 
 /* From now on fits keep the values at the face points of a cell only as long as they are wanted, in little memory, when
  * they take turns: turn k < n fits cells up to cells[k], then reads the points of the faces up to faces[k] (of the
- * latter, no cell may be beyond the former). After the last turn the rest of the cells are fitted and all other points
+ * latter, no cell may be beyond the former). After the last turn the other cells are fitted and all other points
  * read. */
 status fit_turns(struct fit *f, int n, const int *cells, const int *faces);
 

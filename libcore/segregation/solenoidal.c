@@ -11,7 +11,7 @@
 struct poisson {
     const struct face_flow *flow;
     long cells, stride[MAX_DIM];
-    double *p, *rest, *way, *image, *diagonal;
+    double *p, *residual, *way, *image, *diagonal;
     struct slab slab;
 };
 
@@ -112,17 +112,17 @@ static int solve(struct poisson *a, double enough) {
     const long n = a->cells;
     double rho = 0, before;
     int k = 0;
-    for (; k < 20000 && largest(a, n, a->rest) > enough; k++) {
-        for (long c = 0; c < n; c++) a->image[c] = a->diagonal[c] > 0 ? a->rest[c] / a->diagonal[c] : 0;
+    for (; k < 20000 && largest(a, n, a->residual) > enough; k++) {
+        for (long c = 0; c < n; c++) a->image[c] = a->diagonal[c] > 0 ? a->residual[c] / a->diagonal[c] : 0;
         before = rho;
-        rho = product(a, a->rest, a->image);
+        rho = product(a, a->residual, a->image);
         for (long c = 0; c < n; c++) a->way[c] = a->image[c] + (k ? rho / before : 0) * a->way[c];
         apply(a, a->way, a->image);
         double bend = product(a, a->way, a->image);
         if (!(bend > 0)) break;
         for (long c = 0; c < n; c++) {
             a->p[c] += rho / bend * a->way[c];
-            a->rest[c] -= rho / bend * a->image[c];
+            a->residual[c] -= rho / bend * a->image[c];
         }
     }
     return k;
@@ -206,8 +206,8 @@ static status balance(const struct poisson *a, double *scaled) {
 static status project(struct poisson *a, struct face_flow_change *change) {
     TRY(balance(a, &change->scaled));
     apply(a, NULL, a->diagonal);
-    divergence(a, a->rest);
-    change->before = largest(a, a->cells, a->rest);
+    divergence(a, a->residual);
+    change->before = largest(a, a->cells, a->residual);
     double speed = 0;
     for (int k = 0; k < a->flow->dim; k++) {
         long faces = a->cells / a->flow->n[k] * (a->flow->n[k] + 1);
@@ -215,8 +215,8 @@ static status project(struct poisson *a, struct face_flow_change *change) {
     }
     change->iterations = solve(a, 1e-14 * speed);
     change->largest = take_gradient(a);
-    divergence(a, a->rest);
-    change->after = largest(a, a->cells, a->rest);
+    divergence(a, a->residual);
+    change->after = largest(a, a->cells, a->residual);
     if (change->after <= 1e-11 * speed) return OK;
     return fail(ERR_INPUT, "a part of the domain that walls close off has an inlet or an outlet");
 }
@@ -231,8 +231,8 @@ status face_flow_project(struct face_flow *flow, struct face_flow_change *change
     status e = allocate(&a.p, 5 * a.cells, sizeof(double), "a flow's pressure");
     if (flow->comm) e = comm_agree(flow->comm, e);
     TRY(e);
-    a.rest = a.p + a.cells;
-    a.way = a.rest + a.cells;
+    a.residual = a.p + a.cells;
+    a.way = a.residual + a.cells;
     a.image = a.way + a.cells;
     a.diagonal = a.image + a.cells;
     e = slab_make(flow->comm, flow->cyclic[flow->dim - 1], a.stride[flow->dim - 1], &a.slab);

@@ -246,12 +246,12 @@ void audit_sources(struct gas *g, const struct source_plan *plan, const struct s
     }
 }
 
-/* Books what gravity's kick did beside a bed, whose own cells get their start back; rest: change of energy anywhere. */
-static void book_kick(struct gas *g, const struct state *now, double rest) {
+/* Books what gravity's kick did beside a bed, whose own cells get their start back; energy: its change anywhere. */
+static void book_kick(struct gas *g, const struct state *now, double energy) {
     struct audit *a = g->books.audit;
     double after[MAX_VAR];
     find_beside(g, now, after);
-    book_weight(g, (after[g->components + 1] - a->beside[g->components + 1]) - rest);
+    book_weight(g, (after[g->components + 1] - a->beside[g->components + 1]) - energy);
     for (int k = 0; k < g->components; k++) a->now.pushed[source_gravity_row()][k] += after[k + 1] - a->beside[k + 1];
 }
 
@@ -260,11 +260,11 @@ void audit_sourced(struct gas *g, const struct state *now) {
     double before[MAX_VAR];
     if (!a) return;
     memcpy(before, a->now.totals, sizeof before);
-    const double rest = look(g, now) - a->work;
-    if (a->measured >= 0) a->now.sourced[a->measured] += rest;
+    const double energy = look(g, now) - a->work;
+    if (a->measured >= 0) a->now.sourced[a->measured] += energy;
     for (int k = 0; k < g->components && a->pusher >= 0 && !a->kicks; k++)
         a->now.pushed[a->pusher][k] += a->now.totals[k + 1] - before[k + 1];
-    if (a->kicks) book_kick(g, now, rest);
+    if (a->kicks) book_kick(g, now, energy);
     a->kicks = false;
     a->work = 0;
     a->measured = a->pusher = -1;

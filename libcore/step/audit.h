@@ -32,7 +32,7 @@ void audit_sources(struct gas *g, const struct source_plan *plan, const struct s
                    const struct state *scratch);
 void audit_sourced(struct gas *g, const struct state *now);
 /* Book the work of gravity, and its momentum, in a stage from `from`, of which the share `part` of dt reaches the end
- * of the step; and what drop_row added to it. The next audit_part books the rest of the stages. */
+ * of the step; and what drop_row added to it. The next audit_part books what else the stages do. */
 void audit_weight(struct gas *g, const struct state *from, double part);
 void audit_dropped(struct gas *g, double part);
 /* Books the forces that balanced a state at rest in the last stage (cells_rest.c), of which `part` reaches the end. */

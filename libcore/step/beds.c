@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A bed of implicit acoustics (libcore/gas/dense.c) as two parts of a step: what it exchanges with the rest, and the
- * bed itself. */
+/* A bed of implicit acoustics (libcore/gas/dense.c) as two parts of a step: what it exchanges with the other cells, and
+ * the bed itself. */
 #include "libcore/step/step_parts.h"
 
 static bool has_bed(const struct gas *g, const struct attempt *a) {
