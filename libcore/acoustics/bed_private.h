@@ -95,7 +95,7 @@ status bed_set_size(struct bed_set *s, int variables, int faces, int sides);
 /* bed_deal.c. On one rank these do nothing; else they are collective. */
 status bed_deal_make(struct bed *b);
 void bed_deal_free(struct bed_deal *d);
-status bed_deal_blocks(struct bed *b, int sides); /* shares the blocks of all homes, deals them, numbers the cells */
+status bed_deal_blocks(struct bed *b, int sides); /* gathers the blocks of all homes, deals them, numbers the cells */
 status bed_deal_lists(struct bed *b);             /* makes b->set of what the homes have written */
 void bed_deal_states(struct bed *b);              /* from b->home to b->set */
 void bed_deal_results(struct bed *b);             /* back */

@@ -177,7 +177,7 @@ static double eps_after(const struct bed *b, double dt, int i) {
  * that cool it. Together two cells gain at their face U_p (U_p - [change of u.n]/2) rho_f d_f/dt + z du^2/2, U_p the
  * part of U that the pressures make: that is hardly ever negative. But one of them may lose, and a cold cell has
  * nothing to lose. */
-static void share_heat(struct bed *b, double dt) {
+static void pass_heat(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     double *lacks = x->change; /* part of what could be given to the cell */
     for (int i = 0; i < b->set.cells; i++) {
@@ -244,7 +244,7 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     for (int i = 0; i < b->set.cells; i++) move_cell(b, dt, gravity, i);
     bed_fill(b, b->dim, b->lines->after + 1);
     find_heat(b);
-    share_heat(b, dt);
+    pass_heat(b, dt);
     const bool fine = find_eps(b, dt, gravity);
     bed_fill(b, b->components + 2, b->lines->after);
     return fine;

@@ -209,7 +209,7 @@ static void find_peak(const struct gas *g, double place[3]) {
         g->engine->state.place(g, seat.block, seat.at, here);
         first_place_offer(&first, here);
     }
-    first_place_share(g, &first, place);
+    first_place_agree(g, &first, place);
 }
 
 /* Does a step of dt damp what moves by sound? Then it is counted. The measure is the energy that it takes, and from

@@ -172,7 +172,7 @@ void dense_seek(struct gas *g, double place[3]) {
     g->dense->cooling = 0; /* all dense cells are to find their rates of cooling again */
     if (sources_ask(g)) g->engine->state.shear_rate(g, &g->U);
     g->engine->state.rows(g, VARIED_CELLS, &g->U, seek_row, &r);
-    first_place_share(g, &first, place);
+    first_place_agree(g, &first, place);
 }
 
 /* ---- to and from the bed ---- */

@@ -17,7 +17,7 @@ static void count_row(void *census, const struct row *row) {
     if (c->note && c->count > before) c->g->limits.flags.blocks[row->block] = true;
 }
 
-long flags_share(struct gas *g) {
+long flags_send(struct gas *g) {
     struct census own = {.g = g}, near = {.g = g, .note = true};
     g->engine->state.rows(g, EVERY_CELL, NULL, count_row, &own);
     comm_sum_long(g->comm, &own.count, 1);
@@ -50,7 +50,7 @@ static void note_row(void *noting, const struct row *row) {
 void flags_note(struct gas *g, double place[3]) {
     struct noting c = {.g = g, .first.order = HUGE_VAL};
     g->engine->state.rows(g, EVERY_CELL, NULL, note_row, &c);
-    first_place_share(g, &c.first, place);
+    first_place_agree(g, &c.first, place);
 }
 
 void flags_hold(struct gas *g, bool back) {
@@ -71,7 +71,7 @@ long flags_of_marks(struct gas *g, bool keep) {
     }
     g->limits.flags.marked = false;
     if (!keep) return 0;
-    const long flagged = flags_share(g);
+    const long flagged = flags_send(g);
     g->engine->diffusion.plain(g);
     return flagged;
 }

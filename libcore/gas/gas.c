@@ -243,7 +243,7 @@ void renew_patches(struct gas *g, double t) {
     if (g->patches.renew && !g->patches.failed) g->patches.failed = g->patches.renew(g->patches.renewer, t);
 }
 
-bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void) {
+bool speed_agree(struct gas *g, const struct gas_speed *mine, bool is_void) {
     double all[] = {is_void,       mine->rate,    mine->loose, mine->axis[0],
                     mine->axis[1], mine->axis[2], -mine->low,  mine->high};
     comm_max(g->comm, all, 8);
@@ -257,7 +257,7 @@ void gas_speed(struct gas *g, struct gas_speed *speed) {
     if (!g->step.speed_known) {
         struct gas_speed mine;
         g->engine->state.speed(g, &mine);
-        (void)speed_share(g, &mine, false);
+        (void)speed_agree(g, &mine, false);
     }
     *speed = g->step.speed;
 }
@@ -266,7 +266,7 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
     g->engine->state.fastest_place(g, speed, place);
 }
 
-void first_place_share(const struct gas *g, const struct first_place *p, double place[3]) {
+void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]) {
     double least = p->order;
     comm_min(g->comm, &least, 1);
     for (int k = 0; k < 3; k++) place[k] = p->order == least ? p->place[k] : HUGE_VAL;

@@ -199,7 +199,7 @@ struct gas {
 
 /* Sets g->step.speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
  * Collective. */
-bool speed_share(struct gas *g, const struct gas_speed *mine, bool is_void);
+bool speed_agree(struct gas *g, const struct gas_speed *mine, bool is_void);
 
 /* Gives the patches their values at time t (gas_vary). */
 void renew_patches(struct gas *g, double t);
@@ -294,7 +294,7 @@ void line_free(const struct gas *g, double **line);
 /* ---- flags of cells (libcore/gas/flags.c) ---- */
 
 /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */
-long flags_share(struct gas *g);
+long flags_send(struct gas *g);
 /* Counts the flags in the field `limited`, and sets `place` to the first flagged cell. */
 void flags_note(struct gas *g, double place[3]);
 /* Keeps a copy of the field `limited`; back: gives the field the values of the copy. */
@@ -453,6 +453,6 @@ static inline void first_place_offer(struct first_place *p, const double here[3]
     memcpy(p->place, here, sizeof p->place);
 }
 /* Sets `place` to the first over all ranks, HUGE_VAL if no rank found one. Collective. */
-void first_place_share(const struct gas *g, const struct first_place *p, double place[3]);
+void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]);
 
 #endif

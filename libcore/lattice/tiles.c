@@ -289,7 +289,7 @@ static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, do
         tiles_place(g, t, s.found, here);
         first_place_offer(&first, here);
     }
-    first_place_share(g, &first, place);
+    first_place_agree(g, &first, place);
 }
 
 const struct engine engine_lattice = {

@@ -163,7 +163,7 @@ void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state
                 first_place_offer(&first, here);
             }
         }
-    first_place_share(g, &first, place);
+    first_place_agree(g, &first, place);
 }
 
 void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context) {

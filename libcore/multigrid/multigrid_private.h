@@ -25,22 +25,22 @@ struct matrix {
  * from first[3 i + 2] on those to other blocks. */
 struct level {
     int rows, ghosts, blocks, links, edges;
-    int *block, *first, *link;      /* [blocks + 1], [3 rows + 1], [links] */
-    double *weight, *excess;        /* [links], [rows] */
-    double *diagonal, *inverse;     /* [rows] A's; the smoother's, inverted */
-    int *edge;                      /* [edges] rows with links to other blocks */
-    double *damp, *kept;            /* [edges] what the smoother's diagonal has more than A's; right sides */
-    int *map;                       /* [links of the finer matrix] their place here, INSIDE or DROPPED */
-    int *part;                      /* [rows + ghosts] aggregate, which is a row of the next level, or DROPPED */
-    int *member_first, *member;     /* [rows of the next level + 1], [rows] */
-    double *r, *x, *c, *v;          /* [rows + ghosts] right side, result of a cycle, correction, its image */
-    int sent, *send;                /* [sent] rows that other ranks' rows are linked to: all ranks share their values */
-    int *from;                      /* [ghosts] places in what is shared */
-    int *share_count, *share_first; /* [ranks], [ranks + 1] values that each rank shares */
-    double *mine, *shared;          /* [sent], [all that is shared] */
-    int *name;                      /* [ghosts] the row that each is in the order of all rows */
-    bool spread;                    /* are the rows on their ranks? else all are on every rank */
-    int *marks, *groups;            /* scratch of multigrid_lay and multigrid_aggregate */
+    int *block, *first, *link;    /* [blocks + 1], [3 rows + 1], [links] */
+    double *weight, *excess;      /* [links], [rows] */
+    double *diagonal, *inverse;   /* [rows] A's; the smoother's, inverted */
+    int *edge;                    /* [edges] rows with links to other blocks */
+    double *damp, *kept;          /* [edges] what the smoother's diagonal has more than A's; right sides */
+    int *map;                     /* [links of the finer matrix] their place here, INSIDE or DROPPED */
+    int *part;                    /* [rows + ghosts] aggregate, which is a row of the next level, or DROPPED */
+    int *member_first, *member;   /* [rows of the next level + 1], [rows] */
+    double *r, *x, *c, *v;        /* [rows + ghosts] right side, result of a cycle, correction, its image */
+    int sent, *send;              /* [sent] rows that other ranks' rows are linked to: all ranks get their values */
+    int *from;                    /* [ghosts] places in what is shared */
+    int *told_count, *told_first; /* [ranks], [ranks + 1] values that each rank tells all others */
+    double *mine, *shared;        /* [sent], [all that is shared] */
+    int *name;                    /* [ghosts] the row that each is in the order of all rows */
+    bool spread;                  /* are the rows on their ranks? else all are on every rank */
+    int *marks, *groups;          /* scratch of multigrid_lay and multigrid_aggregate */
     double *masses;
     const struct multigrid_rows *own; /* of the finest level: who fills ghosts; else NULL */
     struct room room;

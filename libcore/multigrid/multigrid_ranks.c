@@ -89,7 +89,7 @@ void multigrid_receive(const struct multigrid *m, const struct level *l, double 
         l->own->receive(l->own->context, x);
         return;
     }
-    comm_share(m->comm, l->mine, l->share_count, l->share_first, l->shared);
+    comm_share(m->comm, l->mine, l->told_count, l->told_first, l->shared);
     for (int g = 0; g < l->ghosts; g++) x[l->rows + g] = l->shared[l->from[g]];
 }
 
@@ -177,20 +177,20 @@ status multigrid_links_lay(struct multigrid *m, struct level *l) {
     if (!s) s = ROOM_GROW(&l->room, l->mine, l->edges);
     TRY(comm_agree(m->comm, s));
     l->from = l->send + l->edges;
-    l->share_count = l->from + l->ghosts;
-    l->share_first = l->share_count + n;
+    l->told_count = l->from + l->ghosts;
+    l->told_first = l->told_count + n;
     find_sent(m, l);
-    TRY(comm_share_count(m->comm, l->sent, l->share_count, l->share_first));
-    s = ROOM_GROW(&l->room, l->shared, l->share_first[n]);
+    TRY(comm_share_count(m->comm, l->sent, l->told_count, l->told_first));
+    s = ROOM_GROW(&l->room, l->shared, l->told_first[n]);
     if (!s) s = allocate(&place, m->total, sizeof *place, "the ghosts of aggregates");
-    if (!s) s = allocate(&all, l->share_first[n] + (long)l->sent + l->rows, sizeof *all, "the ghosts of aggregates");
+    if (!s) s = allocate(&all, l->told_first[n] + (long)l->sent + l->rows, sizeof *all, "the ghosts of aggregates");
     s = comm_agree(m->comm, s);
     if (!s) {
-        mine = all + l->share_first[n];
+        mine = all + l->told_first[n];
         name_rows(m, l, mine + l->sent);
         for (int i = 0; i < l->sent; i++) mine[i] = mine[l->sent + l->send[i]];
-        comm_share_int(m->comm, mine, l->share_count, l->share_first, all);
-        for (int i = 0; i < l->share_first[n]; i++) place[all[i]] = i;
+        comm_share_int(m->comm, mine, l->told_count, l->told_first, all);
+        for (int i = 0; i < l->told_first[n]; i++) place[all[i]] = i;
         for (int g = 0; g < l->ghosts; g++) l->from[g] = place[l->name[g]];
     }
     free(place);

@@ -81,7 +81,7 @@ static int entries_of(const struct rows *r, int cell) {
 }
 
 /* Takes the weights of near ghosts, whose faces this rank does not know, from their own ranks, entry by entry. */
-static status share_weights(const struct gas *g, struct rows *r) {
+static status fill_weights(const struct gas *g, struct rows *r) {
     struct polyhedra *m = g->cells->polyhedra;
     double *line[MAX_DIM] = {NULL}, most = 0;
     status s = OK;
@@ -117,7 +117,7 @@ status cells_gradient_weights(const struct gas *g, struct rows *r) {
             for (int k = 0; k < m->dim; k++) *place_of(r, i, j, k) = j < n ? W[k * n + j] : 0;
     }
     free(W);
-    return share_weights(g, r);
+    return fill_weights(g, r);
 }
 
 ALWAYS_INLINE void batch_gradients(int dim, int lines, const struct rows *r, int batch, double *const *q,

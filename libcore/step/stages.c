@@ -112,7 +112,7 @@ static bool stages_begin(struct gas *g, struct attempt *a) {
 static bool mend_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
                        double a, double dt) {
     long cells, before = 0;
-    for (; (cells = flags_share(g)) > before && !asked_to_leave(g); before = cells)
+    for (; (cells = flags_send(g)) > before && !asked_to_leave(g); before = cells)
         g->engine->stage.redo(g, U0, from, to, a, dt);
     books_limited(g, (1 - a) * g->floors.share);
     long count[2] = {g->limits.faces, floors_apply(g, to)};

@@ -72,7 +72,7 @@ static bool end_all(struct walk *w) {
  * rank waits for all others at every stage. Returns false if some were not: then V is of no use, and the step must be
  * done again from its start, guarded. */
 static bool end_unguarded(struct gas *g, const struct attempt *a) {
-    if (!speed_share(g, &a->ending.speed, a->bad > 0)) {
+    if (!speed_agree(g, &a->ending.speed, a->bad > 0)) {
         g->step.guarded = GUARDED;
         flags_clear(g);
         return false;

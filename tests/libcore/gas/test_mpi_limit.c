@@ -116,7 +116,7 @@ static void flag_all(struct gas *g) {
     for (int t = 0; g->forest && t < g->forest->ntiles; t++)
         for (long i = 0; i < g->forest->size; i++) g->limits.flags.cells[t][i] = 1;
     for (int i = 0; g->cells && i < g->cells->polyhedra->nown; i++) g->limits.flags.cells[0][i] = 1;
-    (void)flags_share(g);
+    (void)flags_send(g);
 }
 
 /* U <- an Euler stage from U (a, U0: of a Runge-Kutta stage) with every face limited; dt 0: as large as K <= 1 allows.
