@@ -11,9 +11,9 @@ static double *cut_lines(double *at, long n, double **line, int lines) {
 }
 
 status bed_set_blocks(struct bed_set *s, int blocks) {
-    TRY(ROOM_GROW(&s->room, s->first, 2L * blocks + 1));
-    TRY(ROOM_GROW(&s->room, s->lift, 4L * blocks));
-    TRY(ROOM_GROW(&s->room, s->peak_cell, blocks));
+    TRY(ARRAYS_GROW(&s->arrays, s->first, 2L * blocks + 1));
+    TRY(ARRAYS_GROW(&s->arrays, s->lift, 4L * blocks));
+    TRY(ARRAYS_GROW(&s->arrays, s->peak_cell, blocks));
     s->number = s->first + blocks + 1;
     s->work = s->lift + blocks;
     s->pushed = s->work + blocks;
@@ -24,12 +24,12 @@ status bed_set_blocks(struct bed_set *s, int blocks) {
 status bed_set_size(struct bed_set *s, int variables, int faces, int sides) {
     const long cells = (long)s->cells + s->ghosts;
     double *at;
-    TRY(ROOM_GROW(&s->room, s->body, 2 * cells + 1));
-    TRY(ROOM_GROW(&s->room, s->shape, 3L * faces));
-    TRY(ROOM_GROW(&s->room, s->kind, faces));
-    TRY(ROOM_GROW(&s->room, s->face_of_cell, sides));
-    TRY(ROOM_GROW(&s->room, s->cell_lines, 2 * variables * cells));
-    TRY(ROOM_GROW(&s->room, s->face_lines, (2L * variables + 3) * faces));
+    TRY(ARRAYS_GROW(&s->arrays, s->body, 2 * cells + 1));
+    TRY(ARRAYS_GROW(&s->arrays, s->shape, 3L * faces));
+    TRY(ARRAYS_GROW(&s->arrays, s->kind, faces));
+    TRY(ARRAYS_GROW(&s->arrays, s->face_of_cell, sides));
+    TRY(ARRAYS_GROW(&s->arrays, s->cell_lines, 2 * variables * cells));
+    TRY(ARRAYS_GROW(&s->arrays, s->face_lines, (2L * variables + 3) * faces));
     s->face_start = s->body + cells;
     s->left = s->shape + faces;
     s->right = s->left + faces;
@@ -51,11 +51,11 @@ static status make_lines(struct bed *b) {
     double **of_face[] = {&x->drift, &x->give, &x->beyond,  &x->U,      &x->p_face,
                           &x->P[0],  &x->P[1], &x->heat[0], &x->heat[1]};
     enum { OF_CELL = sizeof of_cell / sizeof *of_cell, OF_FACE = sizeof of_face / sizeof *of_face };
-    TRY(ROOM_GROW(&x->room, x->cells, (OF_CELL + b->components + (1 + b->dim) * variables) * cells));
-    TRY(ROOM_GROW(&x->room, x->faces, (long)OF_FACE * s->faces));
-    TRY(ROOM_GROW(&x->room, x->link_first, s->cells + 1L + sides));
-    TRY(ROOM_GROW(&x->room, x->weight, sides));
-    TRY(ROOM_GROW(&x->room, x->block_sums, (long)BLUR_SUMS * s->blocks));
+    TRY(ARRAYS_GROW(&x->arrays, x->cells, (OF_CELL + b->components + (1 + b->dim) * variables) * cells));
+    TRY(ARRAYS_GROW(&x->arrays, x->faces, (long)OF_FACE * s->faces));
+    TRY(ARRAYS_GROW(&x->arrays, x->link_first, s->cells + 1L + sides));
+    TRY(ARRAYS_GROW(&x->arrays, x->weight, sides));
+    TRY(ARRAYS_GROW(&x->arrays, x->block_sums, (long)BLUR_SUMS * s->blocks));
     x->link = x->link_first + s->cells + 1;
     for (int i = 0; i < OF_CELL; i++) *of_cell[i] = x->cells + i * cells;
     for (int i = 0; i < OF_FACE; i++) *of_face[i] = x->faces + (long)i * s->faces;
@@ -82,9 +82,9 @@ status bed_make(struct bed *b, int blocks) {
 }
 
 void bed_free(struct bed *b) {
-    if (b->lines) room_free(&b->lines->room);
+    if (b->lines) arrays_free(&b->lines->arrays);
     free(b->lines);
-    room_free(&b->set.room);
+    arrays_free(&b->set.arrays);
     multigrid_free(b->multigrid);
     bed_halo_free(b->halo);
     bed_deal_free(b->deal);

@@ -40,7 +40,7 @@
 #include "libcore/acoustics/acoustics.h"
 #include "libcore/models/eos.h"
 #include "libcore/models/kernel.h"
-#include "libcore/multigrid/room.h"
+#include "libcore/multigrid/arrays.h"
 #include "mesh/base/comm.h"
 
 enum bed_kind {
@@ -106,7 +106,7 @@ struct bed_set {
     int *peak_cell;      /* [blocks] that cell, from the block's first on */
 
     double *cell_lines, *face_lines; /* the memory of these */
-    struct room room;
+    struct arrays arrays;
 };
 
 struct bed_lines; /* the work memory */

@@ -32,7 +32,7 @@ struct bed_deal {
     double *message_out, *message_in;  /* of a step */
     int *ghost;                        /* [ghosts] numbers of the ghosts of b->set over all ranks */
     struct bed_shapes shapes;          /* of b->set, unless cells are boxes: a shape for each cell and each face */
-    struct room room;
+    struct arrays arrays;
 };
 
 static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
@@ -43,8 +43,8 @@ static int sum_of(const struct bed *b, int (*count)[COUNTS], int what) {
 
 void bed_deal_free(struct bed_deal *d) {
     if (!d) return;
-    room_free(&d->home.room);
-    room_free(&d->room);
+    arrays_free(&d->home.arrays);
+    arrays_free(&d->arrays);
     free(d);
 }
 
@@ -56,8 +56,8 @@ status bed_deal_make(struct bed *b) {
     b->home = &d->home;
     d->ranks = n;
     d->me = comm_rank(b->comm);
-    TRY(ROOM_GROW(&d->room, d->cell_first, 6L * n + 3));
-    TRY(ROOM_GROW(&d->room, d->out, 2L * n));
+    TRY(ARRAYS_GROW(&d->arrays, d->cell_first, 6L * n + 3));
+    TRY(ARRAYS_GROW(&d->arrays, d->out, 2L * n));
     d->work_first = d->cell_first + n + 1;
     d->block_first = d->work_first + n + 1;
     d->block_count = d->block_first + n + 1;
@@ -87,13 +87,13 @@ static void deal_blocks(struct bed_deal *d) {
 static status make_room(struct bed *b, long sides) {
     struct bed_deal *d = b->deal;
     const long blocks = d->block_first[d->ranks], cells = b->home->cells;
-    TRY(ROOM_GROW(&d->room, d->size, 3 * blocks));
-    TRY(ROOM_GROW(&d->room, d->face, sides));
-    TRY(ROOM_GROW(&d->room, d->place, 3 * sides));
-    TRY(ROOM_GROW(&d->room, d->lists_out, cells + 5 * sides));
+    TRY(ARRAYS_GROW(&d->arrays, d->size, 3 * blocks));
+    TRY(ARRAYS_GROW(&d->arrays, d->face, sides));
+    TRY(ARRAYS_GROW(&d->arrays, d->place, 3 * sides));
+    TRY(ARRAYS_GROW(&d->arrays, d->lists_out, cells + 5 * sides));
     d->number = d->size + blocks;
     d->rank = d->number + blocks;
-    return b->home->shapes->boxes ? OK : ROOM_GROW(&d->room, d->geometry, cells + (3 + 3 * b->dim) * sides);
+    return b->home->shapes->boxes ? OK : ARRAYS_GROW(&d->arrays, d->geometry, cells + (3 + 3 * b->dim) * sides);
 }
 
 status bed_deal_blocks(struct bed *b, int sides) {
@@ -260,7 +260,7 @@ static status make_geometry(struct bed *b) {
     s->shapes = b->home->shapes;
     if (s->shapes->boxes) return OK;
     s->shapes = &d->shapes;
-    TRY(ROOM_GROW(&d->room, d->shapes.volume, cells + (long)lines * s->faces));
+    TRY(ARRAYS_GROW(&d->arrays, d->shapes.volume, cells + (long)lines * s->faces));
     for (int i = 0; i < lines; i++) *line[i] = d->shapes.volume + cells + (long)i * s->faces;
     return OK;
 }
@@ -323,9 +323,9 @@ static status make_messages(struct bed *b) {
     most.of[OUTER] = 2 * (b->components + 2) + 1;
     most.of[BLOCKS] = RESULTS;
     const long all = sum_all(b, &most, d->out) + sum_all(b, &most, d->in);
-    TRY(ROOM_GROW(&d->room, d->message_out, 2 * all));
+    TRY(ARRAYS_GROW(&d->arrays, d->message_out, 2 * all));
     d->message_in = d->message_out + all;
-    return ROOM_GROW(&d->room, d->lists_in, sum_all(b, &of_lists, d->in));
+    return ARRAYS_GROW(&d->arrays, d->lists_in, sum_all(b, &of_lists, d->in));
 }
 
 /* Makes the lists of b->set from what has come in. */
@@ -339,7 +339,7 @@ static status make_set(struct bed *b) {
     TRY(bed_set_blocks(s, s->blocks));
     TRY(bed_set_size(s, b->components + 2, s->faces, sum_of(b, d->in, ENTRIES)));
     TRY(make_geometry(b));
-    TRY(ROOM_GROW(&d->room, d->ghost, s->ghosts));
+    TRY(ARRAYS_GROW(&d->arrays, d->ghost, s->ghosts));
     read_blocks(b);
     read_lists(b);
     return bed_halo_link(b, d->work_first, d->ghost);

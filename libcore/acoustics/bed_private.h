@@ -25,7 +25,7 @@ struct bed_lines {
     double *weight;
     double *block_sums;    /* [blocks][BLUR_SUMS] */
     double *cells, *faces; /* the memory of the lines above */
-    struct room room;
+    struct arrays arrays;
 };
 
 /* A face as one of its cells sees it. */

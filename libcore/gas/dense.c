@@ -74,7 +74,7 @@ void dense_free(struct gas *g) {
     if (!g->dense) return;
     if (g->engine->bed.free) g->engine->bed.free(g);
     bed_free(&g->dense->bed);
-    room_free(&g->dense->room);
+    arrays_free(&g->dense->arrays);
     if (g->dense->number) free(g->dense->number[0]);
     if (g->dense->part) free(g->dense->part[0]);
     free(g->dense->part);

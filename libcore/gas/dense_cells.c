@@ -195,8 +195,8 @@ static bool is_listed(const struct gas *g) {
 
 status dense_list(struct gas *g, status s, long rows, int sides) {
     struct dense *d = g->dense;
-    if (!s) s = ROOM_GROW(&d->room, d->row, rows);
-    if (!s) s = ROOM_GROW(&d->room, d->border, sides);
+    if (!s) s = ARRAYS_GROW(&d->arrays, d->row, rows);
+    if (!s) s = ARRAYS_GROW(&d->arrays, d->border, sides);
     TRY(comm_agree(g->comm, s));
     TRY(bed_list(&d->bed, sides));
     for (int b = 0; b < g->dense->blocks; b++) memset(d->number[b], 0, (size_t)g->size * sizeof **d->number);

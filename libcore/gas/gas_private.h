@@ -35,7 +35,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     int blocks;           /* tiles of a lattice; 1 on polyhedra */
     bool *holds;          /* [blocks] has the block a cell of the bed? */
     int **number;         /* [blocks][size] numbers of the bed's cells over all ranks from 1 on, else 0; ghosts too */
-    struct room room;     /* the memory of row, border */
+    struct arrays arrays; /* the memory of row, border */
     double thin;          /* kg/m^3: below it cells are near vacuum */
     double above, hard;   /* kg/m^3: denser cells are dense, or hard */
     double **part;        /* [blocks][size] enum bed_part, 0: none; ghosts too */
@@ -247,7 +247,7 @@ bool dense_include(struct gas *g, double rate);
 struct bed_rates dense_rates(struct gas *g, double plain);
 /* Finds the first cell that has the rate which forbids an implicit step, d->bound.rate. Collective. */
 void dense_seek(struct gas *g, double place[3]);
-/* Begins a new list, after the engine has listed the blocks of bed.home: makes room for so many rows of cells with so
+/* Begins a new list, after the engine has listed the blocks of bed.home: makes memory for so many rows of cells with so
  * many sides, and forgets the numbers of cells. s: an error that this rank has met before. Collective. */
 status dense_list(struct gas *g, status s, long rows, int sides);
 /* Copy the states of the bed's cells from a state, or to it; dense_put returns the number of those not admissible. */

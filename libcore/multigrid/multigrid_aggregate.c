@@ -185,11 +185,11 @@ static void list_members(struct level *l, int parts) {
 status multigrid_aggregate(struct level *l, int passes, struct level *to) {
     const long n = l->rows;
     struct groups s = {.l = l};
-    TRY(ROOM_GROW(&l->room, l->part, n + l->ghosts));
-    TRY(ROOM_GROW(&l->room, l->member_first, 2 * n + 1));
-    TRY(ROOM_GROW(&l->room, l->groups, 8 * n));
-    TRY(ROOM_GROW(&l->room, l->masses, 2 * n));
-    TRY(ROOM_GROW(&to->room, to->block, l->blocks + 1L));
+    TRY(ARRAYS_GROW(&l->arrays, l->part, n + l->ghosts));
+    TRY(ARRAYS_GROW(&l->arrays, l->member_first, 2 * n + 1));
+    TRY(ARRAYS_GROW(&l->arrays, l->groups, 8 * n));
+    TRY(ARRAYS_GROW(&l->arrays, l->masses, 2 * n));
+    TRY(ARRAYS_GROW(&to->arrays, to->block, l->blocks + 1L));
     s.coupling = l->masses;
     s.mass = s.coupling + n;
     s.group = l->groups;

@@ -4,9 +4,9 @@
 
 status multigrid_direct_lay(const struct level *l, struct direct *d) {
     d->rows = l->rows;
-    TRY(ROOM_GROW(&d->room, d->low, l->rows));
-    TRY(ROOM_GROW(&d->room, d->start, l->rows + 1));
-    TRY(ROOM_GROW(&d->room, d->inverse, l->rows));
+    TRY(ARRAYS_GROW(&d->arrays, d->low, l->rows));
+    TRY(ARRAYS_GROW(&d->arrays, d->start, l->rows + 1));
+    TRY(ARRAYS_GROW(&d->arrays, d->inverse, l->rows));
     d->start[0] = 0;
     for (int i = 0; i < l->rows; i++) {
         int low = i;
@@ -15,7 +15,7 @@ status multigrid_direct_lay(const struct level *l, struct direct *d) {
         d->low[i] = low;
         d->start[i + 1] = d->start[i] + i - low;
     }
-    return ROOM_GROW(&d->room, d->entry, d->start[l->rows]);
+    return ARRAYS_GROW(&d->arrays, d->entry, d->start[l->rows]);
 }
 
 static double dot(int n, const double *a, const double *b) {

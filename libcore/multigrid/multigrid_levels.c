@@ -68,20 +68,20 @@ static void lay_rows(const struct matrix *a, const struct level *fine, struct le
 status multigrid_lay(const struct matrix *a, const struct level *fine, struct level *to) {
     struct marks k = {0};
     const long links = a->first[a->stride * a->rows], columns = (long)to->rows + to->ghosts;
-    TRY(ROOM_GROW(&to->room, to->map, links));
-    TRY(ROOM_GROW(&to->room, to->first, 3L * to->rows + 1));
-    TRY(ROOM_GROW(&to->room, to->link, links));
-    TRY(ROOM_GROW(&to->room, to->weight, links));
-    TRY(ROOM_GROW(&to->room, to->excess, 3L * to->rows));
+    TRY(ARRAYS_GROW(&to->arrays, to->map, links));
+    TRY(ARRAYS_GROW(&to->arrays, to->first, 3L * to->rows + 1));
+    TRY(ARRAYS_GROW(&to->arrays, to->link, links));
+    TRY(ARRAYS_GROW(&to->arrays, to->weight, links));
+    TRY(ARRAYS_GROW(&to->arrays, to->excess, 3L * to->rows));
     to->diagonal = to->excess + to->rows;
     to->inverse = to->diagonal + to->rows;
-    TRY(ROOM_GROW(&to->room, to->edge, to->rows));
-    TRY(ROOM_GROW(&to->room, to->marks, 2 * columns + links));
+    TRY(ARRAYS_GROW(&to->arrays, to->edge, to->rows));
+    TRY(ARRAYS_GROW(&to->arrays, to->marks, 2 * columns + links));
     k.stamp = to->marks;
     k.slot = k.stamp + columns;
     k.found = k.slot + columns;
     lay_rows(a, fine, to, &k);
-    TRY(ROOM_GROW(&to->room, to->damp, 2L * to->edges));
+    TRY(ARRAYS_GROW(&to->arrays, to->damp, 2L * to->edges));
     to->kept = to->damp + to->edges;
     return OK;
 }
@@ -123,7 +123,7 @@ void multigrid_smoother(struct level *l, const double *diagonal) {
 
 status multigrid_vectors(struct level *l) {
     const long n = ((long)l->rows + l->ghosts + 7) / 8 * 8;
-    TRY(ROOM_GROW(&l->room, l->r, 4 * n));
+    TRY(ARRAYS_GROW(&l->arrays, l->r, 4 * n));
     l->x = l->r + n;
     l->c = l->x + n;
     l->v = l->c + n;

@@ -4,8 +4,8 @@
 #define LIBCORE_MULTIGRID_PRIVATE_H
 
 #include "libcore/models/kernel.h"
+#include "libcore/multigrid/arrays.h"
 #include "libcore/multigrid/multigrid.h"
-#include "libcore/multigrid/room.h"
 
 enum {
     SPREAD_LEVELS = 3, /* at most so many levels have their rows on their ranks; coarser ones have all on every rank */
@@ -43,7 +43,7 @@ struct level {
     int *marks, *groups;          /* scratch of multigrid_lay and multigrid_aggregate */
     double *masses;
     const struct multigrid_rows *own; /* of the finest level: who fills ghosts; else NULL */
-    struct room room;
+    struct arrays arrays;
 };
 
 /* L L' = A inside the envelope: row i has the columns low[i] to i - 1, from entry[start[i]] on. */
@@ -51,7 +51,7 @@ struct direct {
     int rows, *low;
     long *start;
     double *entry, *inverse; /* inverse: one over L's diagonal; 0 where A is singular */
-    struct room room;
+    struct arrays arrays;
 };
 
 /* Tables of the blocks and rows of all ranks, which each rank has if there are several. Index j counts blocks in the
@@ -70,7 +70,7 @@ struct world {
     int *at;                      /* [rows of all] where each row begins in what is packed */
     int *first_link, *link;       /* [rows of all + 1], [links of all]: the matrix of all rows */
     double *weight, *excess;
-    struct room room;
+    struct arrays arrays;
 };
 
 struct multigrid {
@@ -85,7 +85,7 @@ struct multigrid {
     int *block;     /* [blocks + 1] of the caller's rows */
     double *excess; /* [rows] of the caller's matrix */
     double *p, *q;  /* [rows + ghosts] of the conjugate gradients: direction, its image */
-    struct room room;
+    struct arrays arrays;
 };
 
 /* multigrid_levels.c. part NULL: each row is its own aggregate. multigrid_lay lays out the matrix of the sums over

@@ -31,7 +31,7 @@ status multigrid_meet(struct multigrid *m, const struct multigrid_rows *rows) {
     struct world *w = &m->world;
     const int n = m->ranks;
     if (n > 1) {
-        TRY(ROOM_GROW(&w->room, w->count, 8L * n + 4));
+        TRY(ARRAYS_GROW(&w->arrays, w->count, 8L * n + 4));
         w->row_count = w->count + n;
         w->sum_count = w->row_count + n;
         w->pack_count = w->sum_count + n;
@@ -44,9 +44,9 @@ status multigrid_meet(struct multigrid *m, const struct multigrid_rows *rows) {
     } else {
         w->blocks = rows->blocks;
     }
-    status s = ROOM_GROW(&w->room, w->order, 3L * w->blocks + 1);
-    if (!s) s = ROOM_GROW(&w->room, w->mine, MOST_SUMS * (rows->blocks + 1L));
-    if (!s) s = ROOM_GROW(&w->room, w->sums, (long)MOST_SUMS * w->blocks);
+    status s = ARRAYS_GROW(&w->arrays, w->order, 3L * w->blocks + 1);
+    if (!s) s = ARRAYS_GROW(&w->arrays, w->mine, MOST_SUMS * (rows->blocks + 1L));
+    if (!s) s = ARRAYS_GROW(&w->arrays, w->sums, (long)MOST_SUMS * w->blocks);
     TRY(comm_agree(m->comm, s));
     w->rows = w->order + w->blocks;
     w->base = w->rows + w->blocks;
@@ -134,7 +134,7 @@ status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct lev
         to->ghosts = 0;
         return OK;
     }
-    status s = ROOM_GROW(&to->room, to->name, 2L * to->rows + 2L * l->ghosts);
+    status s = ARRAYS_GROW(&to->arrays, to->name, 2L * to->rows + 2L * l->ghosts);
     if (!s && fine) s = allocate(&ghost, m->total, sizeof *ghost, "the ghosts of aggregates");
     TRY(comm_agree(m->comm, s));
     name = to->name + l->ghosts;
@@ -173,15 +173,15 @@ status multigrid_links_lay(struct multigrid *m, struct level *l) {
     int *place = NULL, *all = NULL, *mine = NULL;
     const int n = m->ranks;
     if (n == 1) return OK;
-    status s = ROOM_GROW(&l->room, l->send, (long)l->edges + l->ghosts + 2L * n + 1);
-    if (!s) s = ROOM_GROW(&l->room, l->mine, l->edges);
+    status s = ARRAYS_GROW(&l->arrays, l->send, (long)l->edges + l->ghosts + 2L * n + 1);
+    if (!s) s = ARRAYS_GROW(&l->arrays, l->mine, l->edges);
     TRY(comm_agree(m->comm, s));
     l->from = l->send + l->edges;
     l->told_count = l->from + l->ghosts;
     l->told_first = l->told_count + n;
     find_sent(m, l);
     TRY(comm_share_count(m->comm, l->sent, l->told_count, l->told_first));
-    s = ROOM_GROW(&l->room, l->shared, l->told_first[n]);
+    s = ARRAYS_GROW(&l->arrays, l->shared, l->told_first[n]);
     if (!s) s = allocate(&place, m->total, sizeof *place, "the ghosts of aggregates");
     if (!s) s = allocate(&all, l->told_first[n] + (long)l->sent + l->rows, sizeof *all, "the ghosts of aggregates");
     s = comm_agree(m->comm, s);
@@ -236,10 +236,10 @@ status multigrid_gather_lay(struct multigrid *m) {
     if (n == 1) return OK;
     TRY(comm_share_count(m->comm, (long)l->rows + l->links, w->pack_count, w->pack_first));
     const long numbers = w->pack_first[n];
-    status s = ROOM_GROW(&w->room, w->at, 2L * rows + 1 + numbers);
-    if (!s) s = ROOM_GROW(&w->room, w->weight, numbers + rows);
-    if (!s) s = ROOM_GROW(&w->room, w->packed, numbers + l->links + l->rows);
-    if (!s) s = ROOM_GROW(&w->room, w->residual, rows);
+    status s = ARRAYS_GROW(&w->arrays, w->at, 2L * rows + 1 + numbers);
+    if (!s) s = ARRAYS_GROW(&w->arrays, w->weight, numbers + rows);
+    if (!s) s = ARRAYS_GROW(&w->arrays, w->packed, numbers + l->links + l->rows);
+    if (!s) s = ARRAYS_GROW(&w->arrays, w->residual, rows);
     if (!s) s = allocate(&pack, numbers + l->links + 2L * l->rows, sizeof *pack, "a matrix of all ranks");
     s = comm_agree(m->comm, s);
     if (!s) {

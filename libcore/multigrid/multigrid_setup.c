@@ -21,11 +21,11 @@ status multigrid_make(const struct comm *c, struct multigrid **out) {
 
 void multigrid_free(struct multigrid *m) {
     if (!m) return;
-    for (int l = 0; l < MOST_LEVELS; l++) room_free(&m->level[l].room);
-    room_free(&m->local.room);
-    room_free(&m->direct.room);
-    room_free(&m->world.room);
-    room_free(&m->room);
+    for (int l = 0; l < MOST_LEVELS; l++) arrays_free(&m->level[l].arrays);
+    arrays_free(&m->local.arrays);
+    arrays_free(&m->direct.arrays);
+    arrays_free(&m->world.arrays);
+    arrays_free(&m->arrays);
     free(m);
 }
 
@@ -51,7 +51,7 @@ static status copy_lay(const struct matrix *a, struct level *to) {
     to->rows = a->rows;
     to->ghosts = a->ghosts;
     to->blocks = a->blocks;
-    TRY(ROOM_GROW(&to->room, to->block, a->blocks + 1L));
+    TRY(ARRAYS_GROW(&to->arrays, to->block, a->blocks + 1L));
     memcpy(to->block, a->block, (size_t)(a->blocks + 1) * sizeof *to->block);
     TRY(multigrid_lay(a, NULL, to));
     return multigrid_vectors(to);
@@ -147,7 +147,7 @@ static void refill(struct multigrid *m, const struct multigrid_rows *rows, const
 static status begin(struct multigrid *m, const struct multigrid_rows *rows, bool *direct) {
     struct level counted = {.rows = rows->rows, .blocks = rows->blocks};
     TRY(multigrid_meet(m, rows));
-    TRY(comm_agree(m->comm, ROOM_GROW(&m->room, m->block, rows->blocks + 1L)));
+    TRY(comm_agree(m->comm, ARRAYS_GROW(&m->arrays, m->block, rows->blocks + 1L)));
     counted.block = m->block;
     memcpy(counted.block, rows->first, ((size_t)rows->blocks + 1) * sizeof *counted.block);
     TRY(multigrid_count(m, &counted));
@@ -159,8 +159,8 @@ status multigrid_setup(struct multigrid *m, const struct multigrid_rows *rows, b
     const bool known = same_links && m->prepared;
     const long n = (long)rows->rows + rows->ghosts;
     m->prepared = false;
-    status s = ROOM_GROW(&m->room, m->excess, rows->rows);
-    if (!s) s = ROOM_GROW(&m->room, m->p, 2 * n);
+    status s = ARRAYS_GROW(&m->arrays, m->excess, rows->rows);
+    if (!s) s = ARRAYS_GROW(&m->arrays, m->p, 2 * n);
     TRY(comm_agree(m->comm, s));
     m->q = m->p + n;
     const struct matrix a = callers_matrix(m, rows);

@@ -41,7 +41,7 @@ class Page(unittest.TestCase):
         rows = rows_of(page)
         self.assertEqual(len(rows), page.count("\n| ") - 1, "a row has no file")
         self.assertLessEqual(len(rows), MOST_ROWS)
-        self.assertEqual([], wrong_rows(rows, {path: text_of(path) for path in tracked("*.[ch]")}))
+        self.assertEqual([], wrong_rows(rows, {path: text_of(path) for path in tracked("*.[ch]", "*.py")}))
 
 
 class Rule(unittest.TestCase):
