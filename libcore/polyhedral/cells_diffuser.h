@@ -23,7 +23,7 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *oblique[MAX_DIM]; /* r = n - e/(n.e) */
     bool skewed;              /* is any r not 0? */
     int last;                 /* which of the two sums is that of the last stage */
-    struct rows weights;      /* of the gradients */
+    struct entries weights;   /* of the gradients */
 };
 
 /* The coefficient of two ways one behind the other: `share` of the way with a, 1 - share with b. Two zeros give 0. */

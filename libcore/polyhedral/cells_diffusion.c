@@ -111,7 +111,7 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     free(d->keep);
     free(d->inverse);
     free(d->share);
-    rows_free(&d->weights);
+    entries_free(&d->weights);
     free(d);
 }
 

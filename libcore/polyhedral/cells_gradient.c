@@ -72,16 +72,16 @@ static bool gauss_weights(const struct polyhedra *m, int i, int n, double *W) {
     return divide(m->dim, n, C, W);
 }
 
-static double *place_of(const struct rows *r, int cell, int entry, int k) {
+static double *place_of(const struct entries *r, int cell, int entry, int k) {
     return r->data + ((r->start[cell / LANES] + (long)entry) * r->width + k) * LANES + cell % LANES;
 }
 
-static int entries_of(const struct rows *r, int cell) {
+static int entries_of(const struct entries *r, int cell) {
     return r->start[cell / LANES + 1] - r->start[cell / LANES];
 }
 
 /* Takes the weights of near ghosts, whose faces this rank does not know, from their own ranks, entry by entry. */
-static status fill_weights(const struct gas *g, struct rows *r) {
+static status fill_weights(const struct gas *g, struct entries *r) {
     struct polyhedra *m = g->cells->polyhedra;
     double *line[MAX_DIM] = {NULL}, most = 0;
     status s = OK;
@@ -102,7 +102,7 @@ static status fill_weights(const struct gas *g, struct rows *r) {
     return s;
 }
 
-status cells_gradient_weights(const struct gas *g, struct rows *r) {
+status cells_gradient_weights(const struct gas *g, struct entries *r) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *W;
     int most = 1;
@@ -120,7 +120,7 @@ status cells_gradient_weights(const struct gas *g, struct rows *r) {
     return fill_weights(g, r);
 }
 
-ALWAYS_INLINE void batch_gradients(int dim, int lines, const struct rows *r, int batch, double *const *q,
+ALWAYS_INLINE void batch_gradients(int dim, int lines, const struct entries *r, int batch, double *const *q,
                                    double *const *gradient) {
     const long first = (long)batch * LANES;
     for (int c = 0; c < lines; c++) {
@@ -140,7 +140,7 @@ ALWAYS_INLINE void batch_gradients(int dim, int lines, const struct rows *r, int
 }
 
 #define GRADIENTS(dim)                                                                                                 \
-    KERNEL static void gradients_##dim(int lines, const struct rows *r, int from, int to, double *const *q,            \
+    KERNEL static void gradients_##dim(int lines, const struct entries *r, int from, int to, double *const *q,         \
                                        double *const *gradient) {                                                      \
         for (int b = from; b < to; b++) batch_gradients(dim, lines, r, b, q, gradient);                                \
     }
@@ -148,7 +148,7 @@ GRADIENTS(1)
 GRADIENTS(2)
 GRADIENTS(3)
 
-void cells_gradients(int dim, const struct rows *r, int lines, int from, int to, double *const *q,
+void cells_gradients(int dim, const struct entries *r, int lines, int from, int to, double *const *q,
                      double *const *gradient) {
     if (from < to)
         (dim == 1   ? gradients_1

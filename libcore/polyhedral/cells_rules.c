@@ -16,7 +16,7 @@ struct cells_rules {
     double *p, *c, *g;    /* [size] of the averages */
     int *start, *beside;  /* [nnear + 1] into beside: the first rings of the stencils, close together in memory */
     unsigned char *rough; /* [nnear] 1: p or g differ across a face of the cell, so that its faces are looked at */
-    struct rows slope;    /* weights of the gradient of p; contacts only */
+    struct entries slope; /* weights of the gradient of p; contacts only */
 };
 
 static status list_beside(const struct polyhedra *m, struct cells_rules *r) {
@@ -55,7 +55,7 @@ void cells_rules_free(struct cells_rules *r) {
     free(r->start);
     free(r->beside);
     free(r->rough);
-    rows_free(&r->slope);
+    entries_free(&r->slope);
     free(r);
 }
 
@@ -170,7 +170,7 @@ bool cells_rules_find(const struct gas *g, int n, const int *face, const double 
 /* Returns the value of p that the averages around a cell give at a point, no further away than they are. */
 static double pressure_at(const struct gas *g, int cell, const double arm[MAX_DIM], double share) {
     const struct cells_rules *r = g->cells->rules;
-    const struct rows *slope = &r->slope;
+    const struct entries *slope = &r->slope;
     const int batch = cell / LANES, lane = cell % LANES, dim = g->dim;
     double change = 0, low = 0, high = 0;
     for (int j = slope->start[batch]; j < slope->start[batch + 1]; j++) {

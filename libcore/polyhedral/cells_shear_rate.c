@@ -9,7 +9,7 @@
 struct cells_shear_rate { /* lines of [size], a batch longer */
     double *velocity[MAX_DIM];
     double *gradient[MAX_DIM * MAX_DIM]; /* du_c/dx_k at k components + c */
-    struct rows weights;                 /* of the gradients */
+    struct entries weights;              /* of the gradients */
 };
 
 status cells_shear_rate_make(struct gas *g) {
@@ -27,7 +27,7 @@ void cells_shear_rate_free(struct cells_shear_rate *x) {
     if (!x) return;
     for (int c = 0; c < MAX_DIM; c++) free(x->velocity[c]);
     for (int i = 0; i < MAX_DIM * MAX_DIM; i++) free(x->gradient[i]);
-    rows_free(&x->weights);
+    entries_free(&x->weights);
     free(x);
 }
 
@@ -48,7 +48,7 @@ static void find_velocities(struct gas *g, const struct state *s) {
 /* Finds the weight of a mirror in the gradient of its cell. */
 static void weight_of(const struct gas *g, int mirror, double out[MAX_DIM]) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct rows *r = &g->cells->shear_rate->weights;
+    const struct entries *r = &g->cells->shear_rate->weights;
     const int cell = m->mirror.cell[mirror], lane = cell % LANES;
     for (int k = 0; k < g->dim; k++) out[k] = 0;
     for (long j = r->start[cell / LANES]; j < r->start[cell / LANES + 1]; j++)

@@ -53,7 +53,7 @@ static bool carries(const struct gas *g, int mirror) {
 
 /* Lists the cells beside a mirror's cell with their shares. The gradient of the cell is that without the mirror if the
  * mirror lies on it: its own share then moves to the others. */
-static void list_beside(const struct polyhedra *m, const struct rows *slope, int mirror, struct cells_weight *w) {
+static void list_beside(const struct polyhedra *m, const struct entries *slope, int mirror, struct cells_weight *w) {
     const int cell = m->mirror.cell[mirror], lane = cell % LANES;
     double d[MAX_DIM], none[MAX_DIM] = {0}, own = 0;
     int from = w->start[w->n], n = 0;
@@ -72,7 +72,7 @@ static void list_beside(const struct polyhedra *m, const struct rows *slope, int
     w->start[w->n] = from + n;
 }
 
-static status list(const struct gas *g, const struct rows *slope, struct cells_weight *w) {
+static status list(const struct gas *g, const struct entries *slope, struct cells_weight *w) {
     const struct polyhedra *m = g->cells->polyhedra;
     int n = 0, most = 0;
     for (int i = 0; i < m->mirror.n; i++) {
@@ -94,12 +94,12 @@ static status list(const struct gas *g, const struct rows *slope, struct cells_w
 }
 
 status cells_weight_make(struct gas *g) {
-    struct rows slope = {0};
+    struct entries slope = {0};
     if (!source_falls(&g->models.source, g->dim)) return OK;
     TRY(allocate(&g->cells->weight, 1, sizeof *g->cells->weight, "the weight on walls"));
     status s = fit_gradients(g->cells->fit, &slope);
     if (!s) s = list(g, &slope, g->cells->weight);
-    rows_free(&slope);
+    entries_free(&slope);
     return s;
 }
 

@@ -93,7 +93,7 @@ ALWAYS_INLINE void extend(struct bounds *restrict b, const double *restrict d) {
  * whatever the mesh: the more room there is, the less is cut. Where the stencil varies by less than 1e-3 of the scale
  * the limiter does not act, and it fades in up to sqrt(2) times that variation: smooth extrema keep their order (the
  * switch of Michalak & Ollivier-Gooch, J. Comput. Phys. 228, 2009, made independent of units). */
-ALWAYS_INLINE void limit(int dim, const struct rows *halfway, int batch, const double *restrict square,
+ALWAYS_INLINE void limit(int dim, const struct entries *halfway, int batch, const double *restrict square,
                          struct bounds *restrict b, double (*restrict a)[LANES]) {
     double least[LANES] = {0}, most[LANES] = {0};
     for (int j = halfway->start[batch]; j < halfway->start[batch + 1]; j++) {
@@ -150,7 +150,7 @@ ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch,
     }
 }
 
-/* The line of a variable's values in row j of `point`. */
+/* The line of a variable's values in entry j of `point`. */
 ALWAYS_INLINE double *values_of(const struct fit *f, int batch, int v, int j) {
     return f->value + v * f->nvalues + (long)(f->slot[batch] + j - f->point.start[batch]) * LANES;
 }

@@ -24,9 +24,9 @@ static int smallest(int a, int b) {
     return a < b ? a : b;
 }
 
-/* Makes rows for lists with the given numbers of entries per cell. All entries are empty: the cell itself with weight
- * 0. */
-static status rows_make(const struct fit *f, const int *length, int width, bool cells, struct rows *r) {
+/* Makes the memory of lists with the given numbers of entries per cell. All entries are empty: the cell itself with
+ * weight 0. */
+static status entries_make(const struct fit *f, const int *length, int width, bool cells, struct entries *r) {
     int n = f->polyhedra->nnear;
     r->width = width;
     TRY(allocate(&r->start, f->nbatches + 1, sizeof *r->start, "rows of a fit"));
@@ -35,28 +35,28 @@ static status rows_make(const struct fit *f, const int *length, int width, bool 
         for (int i = b * LANES; i < smallest(n, (b + 1) * LANES); i++) most = length[i] > most ? length[i] : most;
         r->start[b + 1] = r->start[b] + most;
     }
-    long rows = r->start[f->nbatches];
-    TRY(allocate(&r->data, rows * width * LANES, sizeof *r->data, "weights of a fit"));
+    long entries = r->start[f->nbatches];
+    TRY(allocate(&r->data, entries * width * LANES, sizeof *r->data, "weights of a fit"));
     if (!cells) return OK;
-    TRY(allocate(&r->cell, rows * LANES, sizeof *r->cell, "members of a fit"));
+    TRY(allocate(&r->cell, entries * LANES, sizeof *r->cell, "members of a fit"));
     for (int b = 0; b < f->nbatches; b++)
         for (long j = (long)r->start[b] * LANES; j < (long)r->start[b + 1] * LANES; j++)
             r->cell[j] = b * LANES + (b * LANES + (int)(j % LANES) < n ? (int)(j % LANES) : 0);
     return OK;
 }
-void rows_free(struct rows *r) {
+void entries_free(struct entries *r) {
     free(r->start);
     free(r->cell);
     free(r->data);
 }
-static long row_of(const struct rows *r, int cell, int entry) {
+static long place_of_entry(const struct entries *r, int cell, int entry) {
     return r->start[cell / LANES] + entry;
 }
-static void put(struct rows *r, int cell, int entry, int k, double x) {
-    r->data[(row_of(r, cell, entry) * r->width + k) * LANES + cell % LANES] = x;
+static void put(struct entries *r, int cell, int entry, int k, double x) {
+    r->data[(place_of_entry(r, cell, entry) * r->width + k) * LANES + cell % LANES] = x;
 }
-static void put_cell(struct rows *r, int cell, int entry, int member) {
-    r->cell[row_of(r, cell, entry) * LANES + cell % LANES] = member;
+static void put_cell(struct entries *r, int cell, int entry, int member) {
+    r->cell[place_of_entry(r, cell, entry) * LANES + cell % LANES] = member;
 }
 
 /* Computes the solution operator W[k][n] of the least-squares problem w_j (sum_k A[k][j] a_k - d_j) -> 0, a = W d, by
@@ -182,7 +182,7 @@ static int find_sector(const struct polyhedra *m, int i, int sector, int *member
 static void sector_weights(struct fit *f, const bool *unknown, int *member, double *A, double *w, double *W) {
     const struct polyhedra *m = f->polyhedra;
     for (int i = 0; i < m->nnear; i++) {
-        int rows = f->sector_members[i / LANES], counted = 0;
+        int entries = f->sector_members[i / LANES], counted = 0;
         for (int s = 0, n; (n = find_sector(m, i, s, member)) >= 0; s++) {
             member_means(m, i, 1, n, member, A, w);
             leave_out(m, unknown, i, n, member, w);
@@ -190,8 +190,8 @@ static void sector_weights(struct fit *f, const bool *unknown, int *member, doub
             counted++;
             put(&f->share, i, s, 0, 1);
             for (int j = 0; j < n; j++) {
-                put_cell(&f->sector, i, s * rows + j, m->stencil[m->stencil_start[i] + member[j]]);
-                for (int k = 0; k < m->dim; k++) put(&f->sector, i, s * rows + j, k, W[(long)k * n + j]);
+                put_cell(&f->sector, i, s * entries + j, m->stencil[m->stencil_start[i] + member[j]]);
+                for (int k = 0; k < m->dim; k++) put(&f->sector, i, s * entries + j, k, W[(long)k * n + j]);
             }
         }
         for (int j = f->share.start[i / LANES]; j < f->share.start[i / LANES + 1]; j++)
@@ -209,13 +209,13 @@ static status make_sectors(struct fit *f, int *length, int *member) {
         for (int n; (n = find_sector(m, i, length[i], member)) >= 0; length[i]++)
             *members = n > *members ? n : *members;
     }
-    TRY(rows_make(f, length, 1, false, &f->share));
+    TRY(entries_make(f, length, 1, false, &f->share));
     for (int i = 0; i < m->nnear; i++) {
         int b = i / LANES, sectors = f->share.start[b + 1] - f->share.start[b];
         length[i] = sectors * f->sector_members[b];
         most = sectors > most ? sectors : most;
     }
-    TRY(rows_make(f, length, m->dim, true, &f->sector));
+    TRY(entries_make(f, length, m->dim, true, &f->sector));
     TRY(allocate(&f->gradient, (long)f->nvar * most * m->dim * LANES, sizeof *f->gradient, "gradients of sectors"));
     return allocate(&f->weight, (long)most * LANES, sizeof *f->weight, "weights of sectors");
 }
@@ -224,7 +224,7 @@ static status make_moments(struct fit *f, int *length) {
     const struct polyhedra *m = f->polyhedra;
     int nmoments = m->dim * (m->dim + 1) / 2;
     for (int i = 0; i < m->nnear; i++) length[i] = 1;
-    TRY(rows_make(f, length, nmoments, false, &f->moment));
+    TRY(entries_make(f, length, nmoments, false, &f->moment));
     for (int i = 0; i < m->nnear; i++)
         for (int k = 0; k < nmoments; k++) put(&f->moment, i, 0, k, m->moment[k][i] / (unit(m, i) * unit(m, i)));
     return OK;
@@ -237,7 +237,7 @@ static status make_halfway(struct fit *f, int *length) {
         length[i] = 0;
         for (int j = m->stencil_start[i]; j < m->stencil_start[i + 1]; j++) length[i] += m->ring[j] == 1;
     }
-    TRY(rows_make(f, length, m->dim, false, &f->halfway));
+    TRY(entries_make(f, length, m->dim, false, &f->halfway));
     for (int i = 0; i < m->nnear; i++)
         for (int j = 0; j < length[i]; j++)
             for (int k = 0; k < m->dim; k++)
@@ -260,16 +260,16 @@ static status list_points(const struct polyhedra *m, struct point_list *l) {
     return OK;
 }
 
-/* Gives the rows that a cell lacks beside others of its batch its first point once more, so that what is found over all
- * rows does not depend on the other cells. */
+/* Gives the entries that a cell lacks beside others of its batch its first point once more, so that what is found over
+ * all entries does not depend on the other cells. */
 static void repeat_points(struct fit *f, const int *length) {
-    const struct rows *r = &f->point;
+    const struct entries *r = &f->point;
     for (int i = 0; i < f->polyhedra->nnear; i++) {
-        const int b = i / LANES, rows = r->start[b + 1] - r->start[b];
-        for (int j = length[i]; j < rows && length[i] > 0; j++)
+        const int b = i / LANES, entries = r->start[b + 1] - r->start[b];
+        for (int j = length[i]; j < entries && length[i] > 0; j++)
             for (int k = 0; k < r->width; k++)
-                r->data[(row_of(r, i, j) * r->width + k) * LANES + i % LANES] =
-                    r->data[(row_of(r, i, 0) * r->width + k) * LANES + i % LANES];
+                r->data[(place_of_entry(r, i, j) * r->width + k) * LANES + i % LANES] =
+                    r->data[(place_of_entry(r, i, 0) * r->width + k) * LANES + i % LANES];
     }
 }
 
@@ -285,7 +285,7 @@ static status make_points(struct fit *f, const struct point_list *l, int *length
     for (int side = 0; side < 2; side++)
         TRY(allocate(&f->place[side], m->point.n, sizeof *f->place[side], "face points of a fit"));
     for (int i = 0; i < m->nnear; i++) length[i] = l->start[i + 1] - l->start[i] + rim_of(m, i, &rim);
-    TRY(rows_make(f, length, m->dim, false, &f->point));
+    TRY(entries_make(f, length, m->dim, false, &f->point));
     for (int i = 0; i < m->nnear; i++) {
         const int mine = length[i] - rim_of(m, i, &rim);
         for (int j = mine; j < length[i]; j++)
@@ -293,7 +293,7 @@ static status make_points(struct fit *f, const struct point_list *l, int *length
         for (int j = 0; j < mine; j++) {
             int point = l->entry[l->start[i] + j] / 2, side = l->entry[l->start[i] + j] % 2;
             bool whole = f->kind->cells == NULL;
-            f->place[side][point] = whole ? i : (int)row_of(&f->point, i, j) * LANES + i % LANES;
+            f->place[side][point] = whole ? i : (int)place_of_entry(&f->point, i, j) * LANES + i % LANES;
             for (int k = 0; k < m->dim; k++) put(&f->point, i, j, k, m->point.arm[side][k][point] / unit(m, i));
         }
     }
@@ -309,7 +309,7 @@ static status make_weights(struct fit *f, const bool *unknown, int *length) {
     int most = most_members(m), ncoef = m->dim + (f->kind->degree > 1 ? m->dim * (m->dim + 1) / 2 : 0), *member = NULL;
     double *work = NULL;
     for (int i = 0; i < m->nnear; i++) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
-    TRY(rows_make(f, length, ncoef, true, &f->member));
+    TRY(entries_make(f, length, ncoef, true, &f->member));
     if (f->kind->degree == 1) TRY(make_halfway(f, length));
     if (f->kind->degree == 2) TRY(make_moments(f, length));
     status s = allocate(&member, most, sizeof *member, "a stencil");
@@ -350,9 +350,9 @@ static void find_last_turns(const struct fit *f, int n, const int *cells, const 
     for (int b = n ? cells[n - 1] / LANES : 0; b < f->nbatches; b++) last[b] = n;
 }
 
-/* Deals slots of `rows` rows to the batches, again those of batches that have had their last turn; the latest of these
- * first, as it is still in the cache. work[nbatches + n + 1]. Returns the number of slots. */
-static int deal_slots(struct fit *f, int n, const int *cells, const int *last, int rows, int *work) {
+/* Deals slots of so many entries to the batches, again those of batches that have had their last turn; the latest of
+ * these first, as it is still in the cache. work[nbatches + n + 1]. Returns the number of slots. */
+static int deal_slots(struct fit *f, int n, const int *cells, const int *last, int entries, int *work) {
     int *next = work, *first = work + f->nbatches, slots = 0, b = 0, empty = -1; /* lists of batches */
     for (int turn = 0; turn <= n; turn++) first[turn] = -1;
     for (int turn = 0; turn <= n; turn++) {
@@ -360,7 +360,7 @@ static int deal_slots(struct fit *f, int n, const int *cells, const int *last, i
         for (; b < end; b++) {
             const int from = empty;
             if (from >= 0) empty = next[from];
-            f->slot[b] = from >= 0 ? f->slot[from] : rows * slots++;
+            f->slot[b] = from >= 0 ? f->slot[from] : entries * slots++;
             next[b] = first[last[b]];
             first[last[b]] = b;
         }
@@ -385,15 +385,15 @@ static void move_places(struct fit *f) {
 }
 
 status fit_turns(struct fit *f, int n, const int *cells, const int *faces) {
-    int *work, rows = 0;
+    int *work, entries = 0;
     if (!f->kind->cells) return OK;
     for (int b = 0; b < f->nbatches; b++) {
         const int here = f->point.start[b + 1] - f->point.start[b];
-        rows = here > rows ? here : rows;
+        entries = here > entries ? here : entries;
     }
     TRY(allocate(&work, 2L * f->nbatches + n + 1, sizeof *work, "values at face points"));
     find_last_turns(f, n, cells, faces, work);
-    f->nvalues = (long)rows * deal_slots(f, n, cells, work, rows, work + f->nbatches) * LANES;
+    f->nvalues = (long)entries * deal_slots(f, n, cells, work, entries, work + f->nbatches) * LANES;
     free(work);
     move_places(f);
     free(f->value);
@@ -415,14 +415,14 @@ static bool gradient_weights(const struct polyhedra *m, int i, int n, const int 
 }
 
 static status put_gradients(const struct polyhedra *m, int *length, int *all, double *work, double *W,
-                            const struct fit *f, struct rows *r) {
+                            const struct fit *f, struct entries *r) {
     const int most = most_members(m);
     for (int j = 0; j < most; j++) all[j] = j;
     for (int i = 0; i < m->nnear; i++) {
         length[i] = nearest_members(m, i);
         if (!gradient_weights(m, i, length[i], all, work, W)) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
     }
-    TRY(rows_make(f, length, m->dim, true, r));
+    TRY(entries_make(f, length, m->dim, true, r));
     for (int i = 0; i < m->nnear; i++) {
         (void)gradient_weights(m, i, length[i], all, work, W);
         for (int j = 0; j < length[i]; j++) {
@@ -433,7 +433,7 @@ static status put_gradients(const struct polyhedra *m, int *length, int *all, do
     return OK;
 }
 
-status fit_gradients(const struct fit *f, struct rows *r) {
+status fit_gradients(const struct fit *f, struct entries *r) {
     const struct polyhedra *m = f->polyhedra;
     const int most = most_members(m);
     int *list;
@@ -462,8 +462,8 @@ status fit_make(const struct polyhedra *m, const struct polynomial *p, int compo
 
 void fit_free(struct fit *f) {
     if (!f) return;
-    struct rows *rows[] = {&f->member, &f->halfway, &f->sector, &f->share, &f->moment, &f->point};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) rows_free(rows[i]);
+    struct entries *all[] = {&f->member, &f->halfway, &f->sector, &f->share, &f->moment, &f->point};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) entries_free(all[i]);
     free(f->sector_members);
     free(f->gradient);
     free(f->weight);

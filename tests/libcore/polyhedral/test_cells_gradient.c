@@ -29,7 +29,7 @@ static void lines_free(struct lines *l) {
 }
 
 /* How far the gradients of a linear field are from its own, in all cells. */
-static double linear_error(const struct polyhedra *m, const struct rows *r) {
+static double linear_error(const struct polyhedra *m, const struct entries *r) {
     static const double slope[3] = {1.3, -0.7, 2.1};
     struct lines l = lines_of(m);
     double most = 0;
@@ -43,7 +43,7 @@ static double linear_error(const struct polyhedra *m, const struct rows *r) {
 }
 
 /* The largest component of the gradient in a cell of any field between -1 and 1, which is -1 or 1 in all cells. */
-static double largest(const struct polyhedra *m, const struct rows *r, int cell) {
+static double largest(const struct polyhedra *m, const struct entries *r, int cell) {
     struct lines l = lines_of(m);
     double sum[MAX_DIM] = {0}, most = 0;
     for (int i = 0; i < m->size; i++) { /* what a cell adds is linear in its value */
@@ -69,11 +69,11 @@ static void linear_fields_are_exact(void **state) {
     };
     for (int b = 0; b < (int)(sizeof rough / sizeof *rough); b++) {
         struct scene s;
-        struct rows r = {0};
+        struct entries r = {0};
         open_gas(&s, cells_make(&rough[b]), rough[b].dim);
         ok(cells_gradient_weights(s.gas, &r));
         assert_near(linear_error(s.gas->cells->polyhedra, &r), 0, 1e-12);
-        rows_free(&r);
+        entries_free(&r);
         close_scene(&s);
     }
 }
@@ -138,7 +138,7 @@ static void twisted_cells_have_bounded_gradients(void **state) {
     double mild = 0, most = 0;
     for (int i = 0; i <= 400; i++) {
         struct scene s;
-        struct rows r = {0};
+        struct entries r = {0};
         open_gas(&s, twisted_mesh(0.01 * i), 2);
         const struct polyhedra *m = s.gas->cells->polyhedra;
         ok(cells_gradient_weights(s.gas, &r));
@@ -146,7 +146,7 @@ static void twisted_cells_have_bounded_gradients(void **state) {
         const double now = largest(m, &r, middle_of(m));
         if (i == 0) mild = now;
         most = larger(most, now);
-        rows_free(&r);
+        entries_free(&r);
         close_scene(&s);
     }
     print_message("largest gradients: %.3g on the mild mesh, %.3g at most\n", mild, most);
