@@ -64,10 +64,10 @@ ALWAYS_INLINE double harmonic(double a, double b) {
     return 2 * a * b / (a + b + 1e-300); /* two zeros give 0 */
 }
 
-/* Coefficients of the faces below n cells; `trace`: 2/d */
-KERNEL static void face_coefficients(int n, long step, long size, double trace, double width,
-                                     const double *restrict bulk, const double *restrict shear,
-                                     const double *restrict heat, double *restrict face) {
+/* Coefficients of the faces below n cells from `at` on; `trace`: 2/d; w: as coefficient_visit leaves it. */
+KERNEL static void face_coefficients(int n, long step, long size, double trace, double width, const struct work *w,
+                                     long at, double *restrict face) {
+    const double *restrict bulk = w->p + at, *restrict shear = w->c + at, *restrict heat = w->gruneisen + at;
     const double square = 1 / (width * width);
     for (int i = 0; i < n; i++) {
         double mu = harmonic(shear[i - step], shear[i]), lambda = harmonic(bulk[i - step], bulk[i]) - trace * mu;
@@ -105,8 +105,8 @@ static void tile_faces(struct gas *g, int tile, const double *rho) {
         for (int k = 0; k < n[2] + (axis == 2); k++)
             for (int j = 0; j < n[1] + (axis == 1); j++) {
                 long at = row_at(f, j, k);
-                face_coefficients(n[0] + (axis == 0), f->stride[axis], f->size, trace, f->width[axis], w->p + at,
-                                  w->c + at, w->gruneisen + at, face + at);
+                face_coefficients(n[0] + (axis == 0), f->stride[axis], f->size, trace, f->width[axis], w, at,
+                                  face + at);
                 if (cross)
                     cross_faces(n[0] + (axis == 0), f->stride[axis], f->width[axis], thin, rho + at,
                                 cross + g->dim * f->size + at, cross + axis * f->size + at);

@@ -47,9 +47,15 @@ ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const dou
     return sum;
 }
 
-ALWAYS_INLINE void heat_next(int n, int dim, const long *stride, long size, const double *restrict c,
-                             const double *restrict face, const double *restrict light, const double *restrict start,
-                             const double *restrict friction, const double *restrict last, double *restrict next) {
+struct stage_row { /* what next_sum takes in a row of cells, and `next`, which it sets */
+    const double *restrict c, *restrict light, *restrict start, *restrict last;
+    double *restrict next;
+};
+
+ALWAYS_INLINE void heat_next(int n, int dim, const long *stride, long size, const double *restrict face,
+                             const double *restrict friction, const struct stage_row *restrict r) {
+    const double *c = r->c, *light = r->light, *start = r->start, *last = r->last;
+    double *next = r->next;
     for (int i = 0; i < n; i++)
         next[i] = next_sum(c, last[i], next[i], heat_gain(dim, stride, size, face + i, last + i), light[i], start[i]) +
                   c[4] * friction[i];
@@ -70,8 +76,9 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
             const double *face = d->face[s->tile] + at;
             double M[1][BATCH];
             if (s->c) {
-                heat_next(vectors, dim, f->stride, f->size, s->c, face, d->light[s->tile] + at, d->start[s->tile] + at,
-                          s->g->diffusion.friction[s->tile] + at, s->S + at, s->next + at);
+                heat_next(
+                    vectors, dim, f->stride, f->size, face, s->g->diffusion.friction[s->tile] + at,
+                    &(struct stage_row){s->c, d->light[s->tile] + at, d->start[s->tile] + at, s->S + at, s->next + at});
             } else {
                 heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
                 end_row(s, at, n[0], M);
@@ -102,15 +109,42 @@ ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, 
     }
 }
 
-/* Through the faces below n cells along `axis`, over the width h of a cell there: stress of S (the flux of momentum
- * inwards), and in the end its work on S. Lines stand at the first cell; `step` leads across the face; low, high: the
- * gradients on both sides. With a = (lambda + 2 mu)/h^2, b = mu/h^2, the difference d of u, and the tangential
- * derivative s/h of v the normal stress is a d + (a - 2 b) s. Of the m components of u those from dim on lie along axes
- * without derivatives: their stress is b d alone. */
-ALWAYS_INLINE void viscous_faces(int n, int dim, int m, int axis, bool ends, double h, long step, long size,
-                                 const double *restrict face, const double *restrict keep, const double *restrict low,
-                                 const double *restrict high, const double *restrict S, double (*restrict out)[LINE]) {
-    const double *u = S + axis * size;
+struct stress_row { /* the faces below n cells along an axis; lines stand at the first cell */
+    int n, axis;
+    double h;  /* width of a cell along the axis */
+    long step; /* leads across the face */
+    const double *restrict face,
+        *restrict keep, *restrict low, *restrict high; /* keep: NULL: all 1; low, high: the gradients on both sides */
+    const double *restrict S;
+    double (*restrict out)[LINE];
+};
+
+ALWAYS_INLINE struct stress_row stress_row(const struct sweep *s, int axis, bool plain, long at, const double *low,
+                                           const double *high, double (*out)[LINE]) {
+    const struct forest *f = s->g->forest;
+    const struct diffuser *d = s->g->tiles->diffuser;
+    return (struct stress_row){.n = padded(f->tile[s->tile].n[0] + (axis == 0)),
+                               .axis = axis,
+                               .h = f->width[axis],
+                               .step = axis ? f->stride[axis] : 1,
+                               .face = d->face[s->tile] + FACE_LINES * axis * f->size + at,
+                               .keep = plain ? d->keep[s->tile] + axis * f->size + at : NULL,
+                               .low = low,
+                               .high = high,
+                               .S = s->S + at,
+                               .out = out};
+}
+
+/* Through the faces of a row: stress of S (the flux of momentum inwards), and in the end its work on S. With a =
+ * (lambda + 2 mu)/h^2, b = mu/h^2, the difference d of u, and the tangential derivative s/h of v the normal stress is a
+ * d + (a - 2 b) s. Of the m components of u those from dim on lie along axes without derivatives: their stress is b d
+ * alone. */
+ALWAYS_INLINE void viscous_faces(int dim, int m, bool ends, long size, struct stress_row r) {
+    const double *face = r.face, *keep = r.keep, *low = r.low, *high = r.high;
+    const double *S = r.S, *u = S + r.axis * size, h = r.h;
+    double(*out)[LINE] = r.out;
+    const int axis = r.axis, n = r.n;
+    const long step = r.step;
     for (int i = 0; i < n; i++) {
         double side = 0;
         for (int t = 0; t < dim; t++)
@@ -138,28 +172,26 @@ ALWAYS_INLINE void viscous_faces(int n, int dim, int m, int axis, bool ends, dou
     }
 }
 
-/* The gain of a cell by its faces: x holds the faces of a row along axis 0, y0 and z0 those below it, y1 and z1 those
- * above it along the other axes. */
-ALWAYS_INLINE double gain(int dim, int i, const double *x, const double *y0, const double *y1, const double *z0,
-                          const double *z1) {
-    double sum = x[i + 1] - x[i];
-    if (dim > 1) sum += y1[i] - y0[i];
-    if (dim > 2) sum += z1[i] - z0[i];
+struct faces_around { /* a row of cells: the faces along axis 0; those below and above along the other axes */
+    const double *restrict x, *restrict y[2], *restrict z[2];
+};
+
+/* The gain of a cell by its faces. */
+ALWAYS_INLINE double gain(int dim, int i, const struct faces_around *restrict f) {
+    double sum = f->x[i + 1] - f->x[i];
+    if (dim > 1) sum += f->y[1][i] - f->y[0][i];
+    if (dim > 2) sum += f->z[1][i] - f->z[0][i];
     return sum;
 }
 
-ALWAYS_INLINE void gain_row(int n, int dim, const double *restrict x, const double *restrict y0,
-                            const double *restrict y1, const double *restrict z0, const double *restrict z1,
-                            double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = gain(dim, i, x, y0, y1, z0, z1);
+ALWAYS_INLINE void gain_row(int n, int dim, const struct faces_around *restrict f, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = gain(dim, i, f);
 }
 
-ALWAYS_INLINE void next_row(int n, int dim, const double *restrict c, const double *restrict x,
-                            const double *restrict y0, const double *restrict y1, const double *restrict z0,
-                            const double *restrict z1, const double *restrict light, const double *restrict start,
-                            const double *restrict last, double *restrict next) {
-    for (int i = 0; i < n; i++)
-        next[i] = next_sum(c, last[i], next[i], gain(dim, i, x, y0, y1, z0, z1), light[i], start[i]);
+ALWAYS_INLINE void next_row(int n, int dim, const struct faces_around *restrict f, const struct stage_row *restrict r) {
+    const double *c = r->c, *light = r->light, *start = r->start, *last = r->last;
+    double *next = r->next;
+    for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain(dim, i, f), light[i], start[i]);
 }
 
 /* Notes the stress on the sides of a tile that row (j, k) touches; lines as in viscous_sweep. */
@@ -187,37 +219,39 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
     const long size = f->size, *stride = f->stride;
     _Alignas(64) double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
     _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE], outer[2][MAX_DIM * MAX_DIM * LINE];
-    const double *face = d->face[s->tile], *keep = d->keep[s->tile], *ghosts = d->gradient[s->tile], *h = f->width;
+    const double *ghosts = d->gradient[s->tile];
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
             const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
             double *here = gradient[j & 1], *next = gradient[(j + 1) & 1], (*low)[LINE] = y[j & 1],
                    (*high)[LINE] = y[(j + 1) & 1];
             if (j >= 0)
-                viscous_faces(padded(n[0] + 1), dim, m, 0, ends, h[0], 1, size, face + at, plain ? keep + at : NULL,
-                              here + EDGE - 1, here + EDGE, s->S + at, x);
+                viscous_faces(dim, m, ends, size, stress_row(s, 0, plain, at, here + EDGE - 1, here + EDGE, x));
             else
                 row_gradients(f, n, dim, j, k, s->S, ghosts, here);
             if (dim > 1) {
                 row_gradients(f, n, dim, j + 1, k, s->S, ghosts, next);
-                viscous_faces(vectors, dim, m, 1, ends, h[1], stride[1], size, face + FACE_LINES * size + above,
-                              plain ? keep + size + above : NULL, here + EDGE, next + EDGE, s->S + above, high);
+                viscous_faces(dim, m, ends, size, stress_row(s, 1, plain, above, here + EDGE, next + EDGE, high));
             }
             if (j < 0) continue;
             for (int i = 0; dim > 2 && i < 2; i++) {
                 const long top = at + i * stride[2];
                 row_gradients(f, n, dim, j, k + 2 * i - 1, s->S, ghosts, outer[i]);
-                viscous_faces(vectors, dim, m, 2, ends, h[2], stride[2], size, face + 2 * FACE_LINES * size + top,
-                              plain ? keep + 2 * size + top : NULL, (i ? here : outer[0]) + EDGE,
-                              (i ? outer[1] : here) + EDGE, s->S + top, z[i]);
+                viscous_faces(
+                    dim, m, ends, size,
+                    stress_row(s, 2, plain, top, (i ? here : outer[0]) + EDGE, (i ? outer[1] : here) + EDGE, z[i]));
             }
             if (ends && s->g->books.tally) note_sides(s, j, k, x[0], low[0], high[0], z[0][0], z[1][0]);
-            for (int v = 0; v < lines; v++)
+            for (int v = 0; v < lines; v++) {
+                const struct faces_around around = {x[v], {low[v], high[v]}, {z[0][v], z[1][v]}};
+                const long to = v * size + at;
                 if (ends)
-                    gain_row(vectors, dim, x[v], low[v], high[v], z[0][v], z[1][v], M[v]);
+                    gain_row(vectors, dim, &around, M[v]);
                 else
-                    next_row(vectors, dim, s->c, x[v], low[v], high[v], z[0][v], z[1][v], d->light[s->tile] + at,
-                             d->start[s->tile] + v * size + at, s->S + v * size + at, s->next + v * size + at);
+                    next_row(vectors, dim, &around,
+                             &(struct stage_row){s->c, d->light[s->tile] + at, d->start[s->tile] + to, s->S + to,
+                                                 s->next + to});
+            }
             if (ends) end_row(s, at, n[0], M);
         }
 }
