@@ -325,9 +325,9 @@ void velocity_row(int n, int dim, long size, const double *restrict U, double *c
 void root_row(int n, double *restrict c);
 /* to = W + a (U0 - W), W = from + dt L, of states whose variables are g->size apart, and `each` in the residual. */
 struct advance {
-    const double *U0, *from, *residual;
+    const double *restrict U0, *restrict from, *restrict residual;
     long each;
-    double *to, a, dt;
+    double *restrict to, a, dt;
 };
 /* Advances n <= BATCH states by L = residual. */
 void update_rows(const struct gas *g, int n, const struct advance *s);

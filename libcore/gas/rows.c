@@ -39,8 +39,11 @@ void root_row(int n, double *restrict c) {
     take_roots(n, c);
 }
 
-KERNEL static void update_lines(int n, int nvar, long size, long each, double a, double dt, const double *restrict U0,
-                                const double *restrict from, const double *restrict residual, double *restrict to) {
+KERNEL static void update_lines(int n, int nvar, long size, const struct advance *restrict s) {
+    const double *U0 = s->U0, *from = s->from, *residual = s->residual;
+    double *to = s->to;
+    const double a = s->a, dt = s->dt;
+    const long each = s->each;
     for (int v = 0; v < nvar; v++)
         for (int i = 0; i < n; i++) {
             const double moved = from[v * size + i] + dt * residual[v * each + i];
@@ -49,7 +52,7 @@ KERNEL static void update_lines(int n, int nvar, long size, long each, double a,
 }
 
 void update_rows(const struct gas *g, int n, const struct advance *s) {
-    update_lines(n, g->nvar, g->size, s->each, s->a, s->dt, s->U0, s->from, s->residual, s->to);
+    update_lines(n, g->nvar, g->size, s);
 }
 
 /* Returns the power of gravity rho u.g, summed from the last axis on: of three terms two then commute to the bit. */
@@ -62,10 +65,13 @@ ALWAYS_INLINE double power_of(const int dim, long size, const double *restrict m
 
 /* Does what update_lines does, and adds gravity to the residuals of momentum and energy where `share` is 1; where it is
  * 0 nothing is added. */
-ALWAYS_INLINE void update_falling_dim(const int dim, const bool some, int n, long size, long each, double a, double dt,
-                                      const double *gravity, const double *restrict share, const double *restrict U0,
-                                      const double *restrict from, const double *restrict residual,
-                                      double *restrict to) {
+ALWAYS_INLINE void update_falling_dim(const int dim, const bool some, int n, long size,
+                                      const struct advance *restrict s, const double *gravity,
+                                      const double *restrict share) {
+    const double *U0 = s->U0, *from = s->from, *residual = s->residual;
+    double *to = s->to;
+    const double a = s->a, dt = s->dt;
+    const long each = s->each;
     const double g[MAX_DIM] = {gravity[0], gravity[1], gravity[2]};
     for (int v = 0; v < dim + 2; v++) {
         const double one = v >= 1 && v <= dim ? g[v - 1] : 0;
@@ -80,11 +86,10 @@ ALWAYS_INLINE void update_falling_dim(const int dim, const bool some, int n, lon
         }
     }
 }
-KERNEL static void update_falling(int n, int dim, long size, long each, double a, double dt, const double *gravity,
-                                  const double *restrict share, const double *restrict U0, const double *restrict from,
-                                  const double *restrict residual, double *restrict to) {
+KERNEL static void update_falling(int n, int dim, long size, const struct advance *restrict s, const double *gravity,
+                                  const double *restrict share) {
 #define EACH(axes, some)                                                                                               \
-    if (dim == axes) update_falling_dim(axes, some, n, size, each, a, dt, gravity, share, U0, from, residual, to)
+    if (dim == axes) update_falling_dim(axes, some, n, size, s, gravity, share)
     if (share) {
         EACH(1, true);
         EACH(2, true);
@@ -101,8 +106,7 @@ void advance_row(const struct gas *g, int n, const struct advance *s, const doub
     double line[BATCH], *share = falls || flag ? line : NULL;
     for (int i = 0; i < n && share; i++) share[i] = (falls && falls[i] > 0) || (flag && flag[i] > 0) ? 0 : 1;
     if (g->falling.cells)
-        update_falling(n, g->components, g->size, s->each, s->a, s->dt, g->falling.gravity, share, s->U0, s->from,
-                       s->residual, s->to);
+        update_falling(n, g->components, g->size, s, g->falling.gravity, share);
     else
         update_rows(g, n, s);
 }
