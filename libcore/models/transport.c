@@ -19,9 +19,11 @@ OWN_PARAMS_FIT(struct jenkins_richman);
  * Where G vanishes, rho/G has a limit, but diffusivities, which are coefficients per rho, have none: below alpha_min G
  * is taken at alpha_min. Near packing, where G diverges, it is taken at most at EOS_PACKING of alpha_max, so that
  * coefficients stay finite. The factor rho itself is never clipped. */
-KERNEL static void disks_of_contact(int n, double sigma, double bulk_factor, const double *restrict rho,
-                                    const double *restrict T, const double *restrict contact, double *restrict bulk,
-                                    double *restrict shear, double *restrict heat) {
+KERNEL static void disks_of_contact(const struct closure_line *cells, double bulk_factor,
+                                    const double *restrict contact, double *restrict bulk, double *restrict shear,
+                                    double *restrict heat) {
+    const double *restrict rho = cells->rho, *restrict T = cells->T, sigma = cells->material->diameter;
+    const int n = cells->n;
     const double root_pi = sqrt(PI), b = 2 / root_pi * bulk_factor;
     for (int i = 0; i < n; i++) {
         double G = contact[i], inverse = 1 / G, factor = rho[i] * sigma * sqrt(T[i]);
@@ -47,7 +49,7 @@ static void jenkins_richman(const struct own_params *params, const struct closur
     double clipped[BATCH], contact[BATCH];
     for (int i = 0; i < n; i++) clipped[i] = smaller(larger(cells->rho[i], low), high);
     cells->eos->contact(m, n, clipped, contact);
-    disks_of_contact(n, m->diameter, own.bulk ? 2 : 1, cells->rho, cells->T, contact, bulk, shear, heat);
+    disks_of_contact(cells, own.bulk ? 2 : 1, contact, bulk, shear, heat);
 }
 
 #define PARAM_STRUCT struct jenkins_richman

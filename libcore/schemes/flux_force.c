@@ -73,10 +73,12 @@ KERNEL static void force_middle(int n, const double *restrict pace, const double
     for (int i = 0; i < n; i++) out[i] = 0.5 * (ul[i] + ur[i]) - 0.5 * pace[i] * (fr[i] - fl[i]);
 }
 
-/* F of one variable; good: is U* admissible? */
-KERNEL static void force_mean(int n, const double *restrict inverse, const double *restrict good,
-                              const double *restrict ul, const double *restrict ur, const double *restrict fl,
-                              const double *restrict fr, const double *restrict middle, double *restrict out) {
+/* F of variable v; good: is U* admissible? */
+KERNEL static void force_mean(const struct riemann *x, int v, const double *restrict good,
+                              const double *restrict middle, double *restrict out) {
+    const double *restrict ul = x->U[0][v], *restrict ur = x->U[1][v];
+    const double *restrict fl = x->f[0][v], *restrict fr = x->f[1][v], *restrict inverse = x->inverse;
+    const int n = x->n;
     for (int i = 0; i < n; i++) {
         double both = fl[i] + fr[i], jump = inverse[i] * (ur[i] - ul[i]);
         out[i] = good[i] > 0 ? 0.25 * (both + 2 * middle[i] - jump) : 0.5 * (both - jump);
@@ -103,8 +105,7 @@ static void force_flux(struct riemann *x, const struct eos *eos, const struct ma
     force_state(n, x->dim, density_limit(eos, m), (const double(*)[BATCH])U, &x->s[0], &s);
     eos->state(m, n, s.rho, s.eps, s.p, s.c, s.gruneisen);
     force_nodal(n, x->dim, (const double(*)[BATCH])U, &s, x->middle, f);
-    for (int v = 0; v < nvar; v++)
-        force_mean(n, x->inverse, s.good, x->U[0][v], x->U[1][v], x->f[0][v], x->f[1][v], f[v], F[v]);
+    for (int v = 0; v < nvar; v++) force_mean(x, v, s.good, f[v], F[v]);
 }
 
 /* Are the states of face i reconstructed? */

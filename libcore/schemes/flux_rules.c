@@ -42,8 +42,9 @@ ALWAYS_INLINE int runs_both_ways(const struct winds *restrict w, int i) {
 /* Is there a strong shock between the ends a and b of four cells, the face in whose middle lies right of cell `mid`?
  * Its jumps fulfil du^2 = dp (1/rho_low - 1/rho_high), roughly so while it lies within a few cells. */
 ALWAYS_INLINE int is_shock(const int dim, const double *restrict rho, const double *restrict p,
-                           const double *restrict u0, const double *restrict u1, const double *restrict u2, long a,
-                           long b, long mid, long s) {
+                           const double *restrict u0, const double *restrict u1, const double *restrict u2, long mid,
+                           long s) {
+    const long a = mid - s, b = mid + 2 * s;
     const double du = u0[a] - u0[b], d1 = dim > 1 ? u1[a] - u1[b] : 0, d2 = dim > 2 ? u2[a] - u2[b] : 0;
     const double du2 = du * du + (d1 * d1 + d2 * d2);
     return (du > 0) & near_hugoniot(du2, rho[a], rho[b], p[a], p[b]) & (u0[mid] > u0[mid + s]);
@@ -58,9 +59,8 @@ ALWAYS_INLINE uint64_t mark_shocks(const int dim, int from, const int n, const s
     uint64_t any = 0;
     EACH_ALONE
     for (int i = from; i < from + n; i++) {
-        const int shock = is_shock(dim, rho, p, u0, u1, u2, i - 2 * s, i + s, i - s, s) |
-                          is_shock(dim, rho, p, u0, u1, u2, i - s, i + 2 * s, i, s) |
-                          is_shock(dim, rho, p, u0, u1, u2, i, i + 3 * s, i + s, s);
+        const int shock = is_shock(dim, rho, p, u0, u1, u2, i - s, s) | is_shock(dim, rho, p, u0, u1, u2, i, s) |
+                          is_shock(dim, rho, p, u0, u1, u2, i + s, s);
         mark[i] = (shock & runs_both_ways(w, i)) ? 1 : 0;
         any |= bits_of(mark[i]);
     }
@@ -155,9 +155,11 @@ ALWAYS_INLINE double damping(double g) {
 }
 
 /* Gives expansions their winds. */
-KERNEL static void bend(int n, const double *restrict gl, const double *restrict gr, const double *restrict ul,
-                        const double *restrict cl, const double *restrict ur, const double *restrict cr,
-                        const struct rules *restrict r, struct winds *restrict w) {
+KERNEL static void bend(const struct faces *f, const struct rules *restrict r, struct winds *restrict w) {
+    const double *restrict gl = f->gruneisen, *restrict gr = gl + f->stride;
+    const double *restrict ul = f->velocity[0], *restrict ur = ul + f->stride;
+    const double *restrict cl = f->c, *restrict cr = cl + f->stride;
+    const int n = f->n;
     for (int side = -1; side <= 1; side += 2) {
         double *restrict speed = w->speed[side < 0 ? MINUS : PLUS];
         for (int i = 0; i < n; i++) {
@@ -165,11 +167,6 @@ KERNEL static void bend(int n, const double *restrict gl, const double *restrict
             speed[i] = r->expansion[i] > 0 ? damping(larger(gl[i], gr[i])) * own : speed[i];
         }
     }
-}
-
-static void bend_faces(const struct faces *f, const struct rules *r, struct winds *w) {
-    const long s = f->stride;
-    bend(f->n, f->gruneisen, f->gruneisen + s, f->velocity[0], f->c, f->velocity[0] + s, f->c + s, r, w);
 }
 
 /* Takes the rules that the caller has found; but where all waves run one way there is no shock and no expansion. */
@@ -184,7 +181,7 @@ static void take_rules(const struct faces *f, struct winds *w, struct rules *r) 
     }
     r->shocks = marked(f->n, r->shock);
     r->contacts = marked(f->n, r->contact);
-    if (bent) bend_faces(f, r, w);
+    if (bent) bend(f, r, w);
 }
 
 void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
@@ -197,7 +194,7 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r) {
     const uint64_t any = find_rules(f, on, w, r);
     if (any & SHOCK) r->shocks = marked(f->n, r->shock);
     if (any & CONTACT) r->contacts = marked(f->n, r->contact);
-    if (any & EXPANSION) bend_faces(f, r, w);
+    if (any & EXPANSION) bend(f, r, w);
 }
 
 /* Splits entropy and shears with the floor, if that is the larger speed. Cells that are equal need no damping, and

@@ -84,10 +84,12 @@ KERNEL static void guaranteed_speed(int n, double limit, const struct faces *f, 
     }
 }
 
-/* Computes F_L, ubar, ubar + D and ubar - D (limit.h) of one variable. */
-KERNEL static void bar_line(int n, const double *restrict s, const double *restrict fl, const double *restrict fr,
-                            const double *restrict ul, const double *restrict ur, const double *restrict high,
-                            double *restrict low, double *restrict bar, double *restrict up, double *restrict down) {
+/* Computes F_L, ubar, ubar + D and ubar - D (limit.h) of variable v. */
+KERNEL static void bar_line(const struct faces *f, int v, const double *restrict s, double *restrict low,
+                            double *restrict bar, double *restrict up, double *restrict down) {
+    const double *restrict fl = f->flux[v], *restrict fr = fl + f->stride, *restrict high = f->out[v];
+    const double *restrict ul = f->state[v], *restrict ur = ul + f->stride;
+    const int n = f->n;
     for (int i = 0; i < n; i++) {
         double F = 0.5 * (fl[i] + fr[i]) - 0.5 * s[i] * (ur[i] - ul[i]);
         double mean = 0.5 * (ul[i] + ur[i]) - 0.5 * (fr[i] - fl[i]) / s[i], D = (high[i] - F) / s[i];
@@ -108,9 +110,7 @@ KERNEL static void blend_line(int n, const double *restrict theta, const double 
 void limit_faces(const struct faces *f, double least, double limit, double *theta) {
     double s[BATCH], low[MAX_VAR][BATCH], bar[MAX_VAR][BATCH], up[MAX_VAR][BATCH], down[MAX_VAR][BATCH], other[BATCH];
     guaranteed_speed(f->n, limit, f, s);
-    for (int v = 0; v < f->dim + 2; v++)
-        bar_line(f->n, s, f->flux[v], f->flux[v] + f->stride, f->state[v], f->state[v] + f->stride, f->out[v], low[v],
-                 bar[v], up[v], down[v]);
+    for (int v = 0; v < f->dim + 2; v++) bar_line(f, v, s, low[v], bar[v], up[v], down[v]);
     limit_towards(f->n, f->dim, least, limit, (const double(*)[BATCH])bar, up, theta);
     limit_towards(f->n, f->dim, least, limit, (const double(*)[BATCH])bar, down, other);
     for (int i = 0; i < f->n; i++) theta[i] = smaller(theta[i], other[i]);

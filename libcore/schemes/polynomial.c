@@ -327,8 +327,7 @@ KERNEL static void boost_sectors(int m, int each, const struct moving_frame *res
 
 /* Computes the gradients g[v][s][k] of the sectors in the frame of the cell. */
 ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int batch, int sectors, const double *const *U,
-                                    double (*restrict own)[LANES], const struct moving_frame *restrict frame,
-                                    double (*restrict g)[LANES]) {
+                                    const struct batch *restrict c, double (*restrict g)[LANES]) {
     const int each = sectors * dim;
     double d[LANES];
     for (int v = 0; v < m + 2; v++) {
@@ -340,13 +339,13 @@ ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int bat
             for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = 0;
             for (int i = 0; i < f->sector_members[batch]; i++, j++) {
                 const double *w = f->sector.data + (long)j * dim * LANES;
-                differences(f->sector.cell + (long)j * LANES, U[v], own[v], d);
+                differences(f->sector.cell + (long)j * LANES, U[v], c->own[v], d);
                 take_rest(f->sector.cell + (long)j * LANES, &rest, d);
                 for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = fma(w[k * LANES + l], d[l], at[k][l]);
             }
         }
     }
-    boost_sectors(m, each, frame, g);
+    boost_sectors(m, each, &c->frame, g);
 }
 
 /* Adds to I the smoothness of the quadratic a, |gradient|^2 + (1 + 1/12) |second derivatives|^2, over the squared
@@ -460,7 +459,7 @@ ALWAYS_INLINE void combine_dim(int dim, int m, struct fit *f, int batch, const d
                                struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
     const int sectors = f->share.start[batch + 1] - f->share.start[batch];
     double(*gradient)[LANES] = (double(*)[LANES])f->gradient, (*weight)[LANES] = (double(*)[LANES])f->weight;
-    sector_gradients(dim, m, f, batch, sectors, U, c->own, &c->frame, gradient);
+    sector_gradients(dim, m, f, batch, sectors, U, c, gradient);
     combine(dim, m, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c->frame, gradient, weight, a);
 }
 KERNEL static void combine_sectors(int dim, int m, struct fit *f, int batch, const double *const *U,

@@ -88,10 +88,10 @@ double segregation_mass(const struct segregation *s, const double *phi) {
 
 /* Computes N = f P (1 - P) at P = (1 - late) phi + late found, and its slope: dN/dfound (Newton), or the factor that
  * (4) has there (Picard, which keeps one factor of found^2). */
-KERNEL static void percolation_line(int n, const double *restrict f, double late, bool newton,
-                                    const double *restrict phi, const double *restrict found, double *restrict P,
-                                    double *restrict value, double *restrict slope) {
-    const double kept = newton ? 2 * late : late, old = 2 * (1 - late);
+KERNEL static void percolation_line(int n, const struct segregation *s, double late, const double *restrict phi,
+                                    double *restrict P, double *restrict value, double *restrict slope) {
+    const double *f = s->line.speed, *found = s->found;
+    const double kept = s->scheme.newton ? 2 * late : late, old = 2 * (1 - late);
     for (int i = 0; i < n; i++) {
         P[i] = (1 - late) * phi[i] + late * found[i];
         value[i] = f[i] * (P[i] * (1 - P[i]));
@@ -141,18 +141,19 @@ static void use_law_slope(struct segregation *s, double late) {
 
 static void take_flux(struct segregation *s, double late, const double *phi) {
     const int n = s->line.n;
-    percolation_line(n, s->line.speed, late, s->scheme.newton, phi, s->found, s->mean, s->value, s->slope);
+    percolation_line(n, s, late, phi, s->mean, s->value, s->slope);
     if (s->line.law) use_law(s);
     central_flux(n, s, late);
     if (s->line.law && s->scheme.newton) use_law_slope(s, late);
 }
 
-KERNEL static void segregation_line_rows(int n, double dt, const double *restrict width, const double *restrict phi,
+KERNEL static void segregation_line_rows(const struct segregation *s, double dt, const double *restrict phi,
                                          const double *restrict found, const double *restrict flux,
-                                         const double *restrict up, const double *restrict down,
-                                         const struct tridiagonal *matrix) {
-    double *restrict diagonal = matrix->diagonal, *restrict right = matrix->right;
-    double *restrict below = matrix->below, *restrict above = matrix->above;
+                                         const double *restrict up, const double *restrict down) {
+    const double *restrict width = s->width;
+    double *restrict diagonal = s->matrix.diagonal, *restrict right = s->matrix.right;
+    double *restrict below = s->matrix.below, *restrict above = s->matrix.above;
+    const int n = s->line.n;
     for (int j = 0; j < n; j++) {
         double k = dt / width[j];
         right[j] = (phi[j] - found[j]) - k * (flux[j + 1] - flux[j]);
@@ -162,7 +163,7 @@ KERNEL static void segregation_line_rows(int n, double dt, const double *restric
     for (int j = 0; j < n - 1; j++) below[j] = -(dt / width[j + 1]) * up[j + 1];
 }
 void segregation_rows(struct segregation *s, double dt, const double *phi, const double *found) {
-    segregation_line_rows(s->line.n, dt, s->width, phi, found, s->flux, s->upward, s->downward, &s->matrix);
+    segregation_line_rows(s, dt, phi, found, s->flux, s->upward, s->downward);
 }
 
 /* The rows that need no interchange, as a rule all, are eliminated here, with the operations and the bits of LAPACK's
