@@ -40,10 +40,9 @@ struct balance {            /* what a face takes */
     double rise, low, high; /* k, a, b */
     bool on;
 };
-/* k = a + b and a - b are clipped, k to the larger pressure, a - b to k. */
-ALWAYS_INLINE struct balance balance_at(double half, double rho0, double rho1, double p0, double p1, double u0,
-                                        double u1, double c0, double c1) {
-    const double share = half * share_at(u0, u1, c0, c1), a = share * rho0, b = share * rho1, most = larger(p0, p1);
+/* k = a + b and a - b are clipped, k to the larger pressure, a - b to k. share: h/2 g times share_at */
+ALWAYS_INLINE struct balance balance_at(double share, double rho0, double rho1, double p0, double p1) {
+    const double a = share * rho0, b = share * rho1, most = larger(p0, p1);
     const double k = clip(a + b, most), skew = clip(a - b, fabs(k));
     const bool clipped = fabs(a + b) > most;
     return (struct balance){k, clipped ? 0.5 * (k + skew) : a, clipped ? 0.5 * (k - skew) : b,
@@ -101,11 +100,14 @@ ALWAYS_INLINE bool is_all(const uint64_t *s) {
     return (s[0] | s[1] | s[2] | s[3] | s[4] | s[5] | s[6] | s[7]) >> 63 == 0;
 }
 
+struct balance_lines { /* cells below and above faces, `stride` apart; what the faces take, as keep_balance sets it */
+    const double *restrict rho, *restrict p, *restrict u, *restrict c;
+    double *restrict rise, *restrict on, *restrict face, *restrict left, *restrict right;
+};
 /* The balance of n faces that are no walls; returns whether anything is taken. Else `rise` alone is set. */
-KERNEL static bool balance_line(int n, double half, long stride, const double *restrict rho, const double *restrict p,
-                                const double *restrict u, const double *restrict c, double *restrict rise,
-                                double *restrict on, double *restrict face, double *restrict left,
-                                double *restrict right) {
+KERNEL static bool balance_line(int n, double half, long stride, const struct balance_lines *restrict l) {
+    const double *rho = l->rho, *p = l->p, *u = l->u, *c = l->c;
+    double *rise = l->rise, *on = l->on, *face = l->face, *left = l->left, *right = l->right;
     ALIGNED uint64_t fast[LINE], slow[LINE];
     uint64_t any = 0;
     if (find_fast(n, stride, u, c, fast)) {
@@ -122,8 +124,8 @@ KERNEL static bool balance_line(int n, double half, long stride, const double *r
                              &rise[i], &on[i], &face[i], &left[i], &right[i]);
         } else {
             for (int i = from; i < from + GROUP; i++)
-                keep_balance(balance_at(half, rho[i], rho[i + stride], p[i], p[i + stride], u[i], u[i + stride], c[i],
-                                        c[i + stride]),
+                keep_balance(balance_at(half * share_at(u[i], u[i + stride], c[i], c[i + stride]), rho[i],
+                                        rho[i + stride], p[i], p[i + stride]),
                              p[i], p[i + stride], &rise[i], &on[i], &face[i], &left[i], &right[i]);
         }
     }
@@ -143,9 +145,10 @@ static bool balance_faces(const struct row_of_faces *r) {
     const struct work *w = &r->g->tiles->work;
     const struct axis_lines *l = &w->along[r->axis];
     const long at = r->offset, to = at - l->origin;
-    return balance_line(whole_vectors(r->n), r->half, r->g->forest->stride[r->axis], r->U + at, w->p + at,
-                        w->velocity[r->axis] + at, w->c + at, l->rise + to, l->on + to, l->face + to, l->base[0] + to,
-                        l->base[1] + to);
+    const struct balance_lines lines = {r->U + at,    w->p + at,       w->velocity[r->axis] + at,
+                                        w->c + at,    l->rise + to,    l->on + to,
+                                        l->face + to, l->base[0] + to, l->base[1] + to};
+    return balance_line(whole_vectors(r->n), r->half, r->g->forest->stride[r->axis], &lines);
 }
 
 /* The balance of the i-th face of a row, and n - 1 more, on a wall. */
