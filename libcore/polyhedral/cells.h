@@ -90,11 +90,15 @@ struct cells_walls {     /* [mirrors] what wall_shares says; 0 where a patch is 
 /* U, T, cell (bulk, shear, heat), cross: [size]; cross may be NULL */
 void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const double *T, double *const cell[3],
                        const double *cross, const struct cells_walls *out);
-/* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k components + c, likewise. share: of
- * wall_shares. Beyond walls that conduct S is such that the jump to it times the coefficient is the heat that enters,
- * and weight lift more. */
-void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,
-                       const double *lift, const double *const *start, double *const *S);
+struct mirror_sums { /* share, lift: of wall_shares; start: q_0 */
+    enum diffusing what;
+    double weight;
+    const double *share, *lift, *const *start;
+    double *const *S;
+};
+/* S of mirrors from <= i < to of the polyhedra; gradients dS_c/dx_k, at k components + c, likewise. Beyond walls that
+ * conduct S is such that the jump to it times the coefficient is the heat that enters, and weight lift more. */
+void cells_mirror_sums(const struct gas *g, const struct mirror_sums *s, int from, int to);
 void cells_mirror_gradients(const struct gas *g, int from, int to, const double *share, double *const *gradient);
 /* Gives the gas in the fluxes of energy the heat of friction on walls that it slips along. */
 void cells_slide(const struct gas *g, double weight, const double *stays, double *const *S);

@@ -386,15 +386,18 @@ static void flow(struct gas *g, enum diffusing what, double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     struct polyhedra *m = g->cells->polyhedra;
     const int own_mirrors = m->face.n - m->face.ninternal;
-    double *const *S = d->sum[d->last];
-    const double *const *start = (const double *const *)d->start,
-                        *share = what == VISCOUS ? d->wall.drag : d->wall.heat;
-    polyhedra_fill_start(m, lines_of(g, what), S);
-    cells_mirror_sums(g, what, weight, 0, own_mirrors, share, d->wall.lift, start, S);
+    const struct mirror_sums sums = {what,
+                                     weight,
+                                     what == VISCOUS ? d->wall.drag : d->wall.heat,
+                                     d->wall.lift,
+                                     (const double *const *)d->start,
+                                     d->sum[d->last]};
+    polyhedra_fill_start(m, lines_of(g, what), sums.S);
+    cells_mirror_sums(g, &sums, 0, own_mirrors);
     find_gradients(g, what, 0, m->ninner);
     find_fluxes(g, what, 0, m->face.nlocal);
     polyhedra_fill_finish(m);
-    cells_mirror_sums(g, what, weight, own_mirrors, m->mirror.n, share, d->wall.lift, start, S);
+    cells_mirror_sums(g, &sums, own_mirrors, m->mirror.n);
     find_gradients(g, what, m->ninner, m->nnear);
     if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->wall.drag, d->gradient);
     find_fluxes(g, what, m->face.nlocal, m->face.n);

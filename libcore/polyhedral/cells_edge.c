@@ -196,15 +196,17 @@ void cells_wall_shares(const struct gas *g, double *const U[MAX_VAR], const doub
     }
 }
 
-static void mirror_sums_run(const struct gas *g, enum diffusing what, double weight, int from, int n,
-                            const double *share, const double *lift, const double *const *start, double *const *S) {
+static void mirror_sums_run(const struct gas *g, const struct mirror_sums *s, int from, int n) {
+    const enum diffusing what = s->what;
+    const double *share = s->share, *const *start = s->start;
+    double *const *S = s->S;
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
     const int lines = what == VISCOUS ? g->components : 1;
     const bool turn = patch_is_wall(r) && what == VISCOUS;
     double inner[MAX_DIM][BATCH], beyond[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
     const struct sum_line line = {
-        n, lines, what == VISCOUS ? 0 : -1, m->mirror.place + from, weight, share + from, inner, beyond, ghost};
+        n, lines, what == VISCOUS ? 0 : -1, m->mirror.place + from, s->weight, share + from, inner, beyond, ghost};
     for (int i = 0; i < n; i++) {
         const struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
         for (int c = 0; c < lines; c++) {
@@ -224,16 +226,15 @@ static void mirror_sums_run(const struct gas *g, enum diffusing what, double wei
     if (what == HEAT && wall_conducts(r))
         for (int i = 0; i < n; i++) ghost[0][i] = inner[0][i] + share[from + i] * (ghost[0][i] - inner[0][i]);
     if (what == HEAT && patch_is_wall(r))
-        for (int i = 0; i < n; i++) ghost[0][i] += weight * lift[from + i];
+        for (int i = 0; i < n; i++) ghost[0][i] += s->weight * s->lift[from + i];
     for (int i = 0; i < n; i++)
         for (int c = 0; c < lines; c++) S[c][m->ncells + from + i] = ghost[c][i];
 }
 
-void cells_mirror_sums(const struct gas *g, enum diffusing what, double weight, int from, int to, const double *share,
-                       const double *lift, const double *const *start, double *const *S) {
+void cells_mirror_sums(const struct gas *g, const struct mirror_sums *s, int from, int to) {
     for (int n; from < to; from += n) {
         n = patch_run(g, from, to);
-        mirror_sums_run(g, what, weight, from, n, share, lift, start, S);
+        mirror_sums_run(g, s, from, n);
     }
 }
 

@@ -21,8 +21,10 @@ double *cells_implicit_sum(const struct gas *g, int block, int c) {
 void cells_implicit_beyond(struct gas *g, enum diffusing what) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_diffuser *d = g->cells->diffuser;
-    cells_mirror_sums(g, what, 0, 0, m->face.n - m->face.ninternal, what == VISCOUS ? d->wall.drag : d->wall.heat,
-                      d->wall.lift, (const double *const *)d->start, d->sum[d->last]);
+    const struct mirror_sums sums = {
+        what,           0, what == VISCOUS ? d->wall.drag : d->wall.heat, d->wall.lift, (const double *const *)d->start,
+        d->sum[d->last]};
+    cells_mirror_sums(g, &sums, 0, m->face.n - m->face.ninternal);
 }
 
 /* Component c of the flux that a jump between its two cells makes through face i. */
