@@ -15,18 +15,17 @@ struct lines {
     long cell_next, face_next; /* stride from line to line */
 };
 
-KERNEL static void assemble_lines(long count, double per_width, const double *restrict a, const double *restrict b,
-                                  const double *restrict u, const double *restrict f, const double *restrict D,
-                                  double *restrict up, double *restrict down) {
+KERNEL static void assemble_lines(long count, double per_width, const struct jacobian_lines *restrict l) {
+    const double *a = l->below, *b = l->above, *u = l->u, *f = l->f, *D = l->D;
+    double *up = l->up, *down = l->down;
     for (long i = 0; i < count; i++) {
         double g = D[i] * per_width;
         up[i] = 0.5 * (u[i] + f[i] * (1 - 2 * a[i])) + g;
         down[i] = 0.5 * (u[i] + f[i] * (1 - 2 * b[i])) - g;
     }
 }
-void segregation_assemble(long count, double per_width, const double *below, const double *above, const double *u,
-                          const double *f, const double *D, double *up, double *down) {
-    assemble_lines(count, per_width, below, above, u, f, D, up, down);
+void segregation_assemble(long count, double per_width, const struct jacobian_lines *l) {
+    assemble_lines(count, per_width, l);
 }
 
 /* Solves LINES tridiagonal systems abreast by Thomas' elimination without pivots. */
@@ -132,10 +131,12 @@ static void solve_lines(struct segregation_field *s, double dt, double late, con
     gather(b, n + 1, b->face, b->face_next, l->f[k], f);
     gather(b, n + 1, b->face, b->face_next, l->D[k], D);
     if (!cyclic) set_ends(s, b, phi_line, up, down);
-    assemble_lines((n - 1) * LINES, 1 / l->width[k], phi_line, phi_line + LINES, u + LINES, f + LINES, D + LINES,
-                   up + LINES, down + LINES);
+    assemble_lines((n - 1) * LINES, 1 / l->width[k],
+                   &(struct jacobian_lines){phi_line, phi_line + LINES, u + LINES, f + LINES, D + LINES, up + LINES,
+                                            down + LINES});
     if (cyclic) {
-        assemble_lines(LINES, 1 / l->width[k], phi_line + (n - 1) * LINES, phi_line, u, f, D, up, down);
+        assemble_lines(LINES, 1 / l->width[k],
+                       &(struct jacobian_lines){phi_line + (n - 1) * LINES, phi_line, u, f, D, up, down});
         memcpy(up + n * LINES, up, LINES * sizeof *up);
         memcpy(down + n * LINES, down, LINES * sizeof *down);
         eliminate_cyclic(n, late * dt / l->width[k], s->line_ease, up, down, above, right, s->line_seam);

@@ -70,9 +70,12 @@ static inline bool fixed_on(const struct segregation_lattice *l, int k, long fac
 }
 
 /* Kernels of the tridiagonal systems of lines, LINES abreast: (I + part ease J) right = right. */
+struct jacobian_lines { /* phi of the cells below and above faces; u, f and D on these; the Jacobian */
+    const double *restrict below, *restrict above, *restrict u, *restrict f, *restrict D;
+    double *restrict up, *restrict down;
+};
 /* Sets the Jacobian of the flux at phi: `up` to the cell below a face, `down` to the one above. */
-void segregation_assemble(long count, double per_width, const double *below, const double *above, const double *u,
-                          const double *f, const double *D, double *up, double *down);
+void segregation_assemble(long count, double per_width, const struct jacobian_lines *l);
 /* Eliminates down the lines; before: [2][LINES] `above` and `right` of the cells before the first ones, or NULL. */
 void segregation_forward(long n, double part, const double *ease, const double *up, const double *down,
                          const double *before, double *above, double *right);

@@ -30,12 +30,15 @@ static void assemble(const struct slab_sweep *w, const double *phi) {
     const struct segregation_lattice *l = &s->lattice;
     const double *u = l->u[w->k], *f = l->f[w->k], *D = l->D[w->k], per = 1 / l->width[w->k];
     const long across = w->across, end = w->n * across;
-    segregation_assemble(end - across, per, phi, phi + across, u + across, f + across, D + across, w->up + across,
-                         w->down + across);
-    if (s->slab.low) segregation_assemble(across, per, s->slab.below, phi, u, f, D, w->up, w->down);
+    segregation_assemble(end - across, per,
+                         &(struct jacobian_lines){phi, phi + across, u + across, f + across, D + across, w->up + across,
+                                                  w->down + across});
+    if (s->slab.low)
+        segregation_assemble(across, per, &(struct jacobian_lines){s->slab.below, phi, u, f, D, w->up, w->down});
     if (s->slab.high)
-        segregation_assemble(across, per, phi + end - across, s->slab.above, u + end, f + end, D + end, w->up + end,
-                             w->down + end);
+        segregation_assemble(across, per,
+                             &(struct jacobian_lines){phi + end - across, s->slab.above, u + end, f + end, D + end,
+                                                      w->up + end, w->down + end});
     for (long i = 0; i < across && !s->slab.low; i++) {
         w->up[i] = 0;
         w->down[i] = segregation_edge(s, w->k, false, i, phi[i]).slope;
