@@ -207,11 +207,11 @@ static void schedule_all(struct grains *g) {
     calendar_start(g->queue, g->time);
 }
 
-static status resume(struct grains *g, const struct grain *grain, const struct grain_event *event, const int32_t *id) {
+static status resume(struct grains *g, const struct grain_save *save) {
     if (g->law.growth != 0) return fail(ERR_INPUT, "grains that grow cannot be resumed");
-    memcpy(g->grain, grain, (size_t)g->n * sizeof *grain);
-    memcpy(g->event, event, (size_t)g->n * sizeof *event);
-    memcpy(g->id, id, (size_t)g->n * sizeof *id);
+    memcpy(g->grain, save->grain, (size_t)g->n * sizeof *g->grain);
+    memcpy(g->event, save->event, (size_t)g->n * sizeof *g->event);
+    memcpy(g->id, save->id, (size_t)g->n * sizeof *g->id);
     TRY(check_ids(g));
     for (int i = 0; i < g->n; i++) TRY(check_saved(g, i));
     grains_cells_fill(g);
@@ -219,17 +219,16 @@ static status resume(struct grains *g, const struct grain *grain, const struct g
     return OK;
 }
 
-status grains_resume(const struct grain_box *box, const struct grain_law *law, int n, const struct grain *grain,
-                     const struct grain_event *event, const int32_t *id, const struct grain_counts *counts, double t,
+status grains_resume(const struct grain_box *box, const struct grain_law *law, const struct grain_save *save,
                      struct grains **out) {
     struct grains *g = NULL;
-    status s = make_empty(box, law, n, t, &g);
-    if (!s) s = resume(g, grain, event, id);
+    status s = make_empty(box, law, save->n, save->t, &g);
+    if (!s) s = resume(g, save);
     if (s) {
         grains_free(g);
         return s;
     }
-    g->counts = *counts;
+    g->counts = *save->counts;
     grains_set_sorting(g);
     *out = g;
     return OK;

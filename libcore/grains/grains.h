@@ -79,10 +79,16 @@ struct grains; /* opaque */
  * are named, with their places), a box too small for its axes (periodic: under 3 cells) or too full. */
 status grains_make(const struct grain_box *box, const struct grain_law *law, int n, const double (*x)[3],
                    const double (*u)[3], double t, struct grains **out);
-/* Makes grains from what grains_all, grains_events, grains_ids and grains_counted gave, and the time reached: the run
- * continues to the bit. */
-status grains_resume(const struct grain_box *box, const struct grain_law *law, int n, const struct grain *grain,
-                     const struct grain_event *event, const int32_t *id, const struct grain_counts *counts, double t,
+struct grain_save { /* what grains_all, grains_events, grains_ids and grains_counted gave, and the time reached */
+    int n;
+    double t;
+    const struct grain *grain;
+    const struct grain_event *event;
+    const int32_t *id;
+    const struct grain_counts *counts;
+};
+/* Makes grains from what was saved: the run continues to the bit. */
+status grains_resume(const struct grain_box *box, const struct grain_law *law, const struct grain_save *save,
                      struct grains **out);
 void grains_free(struct grains *g);
 

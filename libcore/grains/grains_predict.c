@@ -53,11 +53,17 @@ struct found {
     int64_t partner;
 };
 
+struct manner { /* wraps: a candidate may be seen beyond a periodic end; falls: there is gravity */
+    int dim;
+    bool wraps, falls, grows;
+};
+
 /* Finds the earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which
  * is before the other's own event; of equal times that with the lowest partner. Grains may touch or overlap by
  * round-off: if they close the time is now. Nothing branches, so that all candidates cost the same. */
-ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct found *first, int dim, bool wraps,
-                        bool falls, bool grows) {
+ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct found *first, struct manner manner) {
+    const int dim = manner.dim;
+    const bool wraps = manner.wraps, falls = manner.falls, grows = manner.grows;
     const struct grain *me = &g->grain[i];
     const double d = grains_diameter(g, now), growth = g->law.growth;
     const lanes zero = {0}, never = zero + HUGE_VAL;
@@ -104,7 +110,7 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
 typedef void meeting(const struct grains *g, int i, double now, int m, struct found *first);
 #define MEETING(name, ...)                                                                                             \
     KERNEL static void name(const struct grains *g, int i, double now, int m, struct found *first) {                   \
-        meet(g, i, now, m, first, __VA_ARGS__, false);                                                                 \
+        meet(g, i, now, m, first, (struct manner){__VA_ARGS__, false});                                                \
     }
 MEETING(disks_near_free, 2, false, false)
 MEETING(disks_near, 2, false, true)
@@ -115,7 +121,7 @@ MEETING(spheres_near, 3, false, true)
 MEETING(spheres_free, 3, true, false)
 MEETING(spheres, 3, true, true)
 static void growing(const struct grains *g, int i, double now, int m, struct found *first) {
-    meet(g, i, now, m, first, 3, true, false, true);
+    meet(g, i, now, m, first, (struct manner){3, true, false, true});
 }
 
 static meeting *meeting_of(const struct grains *g, bool wraps) {

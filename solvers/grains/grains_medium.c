@@ -171,8 +171,9 @@ static status resume(struct grains_run *x) {
     const struct grains_state *s = &x->saved;
     struct grains *old = NULL;
     double(*at)[3] = NULL, (*u)[3] = NULL;
-    TRY(status_note(grains_resume(&s->box, &s->law, s->n, s->grain, s->event, s->id, &s->counts, s->t, &old),
-                    "%s/%s/uniform/grains", x->base.setup->dir, x->base.setup->start.name));
+    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts};
+    TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
+                    x->base.setup->start.name));
     x->changed = !grains_state_same(s, &x->box, &x->law);
     x->energy = s->energy;
     if (!x->changed) {

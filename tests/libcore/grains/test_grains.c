@@ -246,8 +246,9 @@ static void same_state(const struct grains *a, const struct grains *b) {
 
 static struct grains *resumed(const struct scene *s, struct grains *g) {
     struct grains *h;
-    ok(grains_resume(&s->box, &s->law, s->n, grains_all(g), grains_events(g), grains_ids(g), grains_counted(g),
-                     grains_time(g), &h));
+    const struct grain_save save = {s->n,          grains_time(g),   grains_all(g), grains_events(g),
+                                    grains_ids(g), grains_counted(g)};
+    ok(grains_resume(&s->box, &s->law, &save, &h));
     grains_free(g);
     return h;
 }
@@ -496,8 +497,8 @@ static void errors(void **state) {
     struct grain *saved = malloc(sizeof *saved * 20);
     memcpy(saved, grains_all(g), sizeof *saved * 20);
     saved[5].x[0] += 2;
-    says(grains_resume(&s->box, &s->law, 20, saved, grains_events(g), grains_ids(g), grains_counted(g), 0, &h),
-         "saved grain 5");
+    const struct grain_save save = {20, 0, saved, grains_events(g), grains_ids(g), grains_counted(g)};
+    says(grains_resume(&s->box, &s->law, &save, &h), "saved grain 5");
     assert_null(h);
     grains_free(g);
     free(saved);
