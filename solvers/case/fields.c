@@ -678,7 +678,7 @@ status field_write(const struct field_writer *w, const char *name, int component
 
 status field_write_shared(const struct field_writer *w, const char *name, int components,
                           const signed char dimensions[7], const struct share *share, const double *slice,
-                          patch_preparer *prepare, patch_printer *print, void *context, struct file_sum *sum) {
+                          const struct patch_entries *entries, struct file_sum *sum) {
     char path[PATH];
     struct sink *s = NULL;
     path_of(w, name, path);
@@ -686,8 +686,8 @@ status field_write_shared(const struct field_writer *w, const char *name, int co
     status e = foam_list_write_shared(s, path, w->format, components, share, slice);
     if (s) sink_write(s, before_patches, sizeof before_patches - 1);
     for (int p = 0; p < w->mesh->npatches && !e; p++) {
-        e = prepare(w, p, context);
-        if (s && !e) print_entry(s, w, p, print, context);
+        e = entries->prepare(w, p, entries->context);
+        if (s && !e) print_entry(s, w, p, entries->print, entries->context);
     }
     if (s) sink_write(s, behind_patches, sizeof behind_patches - 1);
     if (s) foam_end_write(s);

@@ -118,8 +118,13 @@ status field_write(const struct field_writer *w, const char *name, int component
 /* The same where the values of the cells are spread over the ranks in slices. `prepare`, which every rank calls, makes
  * ready on the root what `print` needs of a patch. Collective. */
 typedef status patch_preparer(const struct field_writer *w, int patch, void *context);
+struct patch_entries {
+    patch_preparer *prepare;
+    patch_printer *print;
+    void *context; /* of both */
+};
 status field_write_shared(const struct field_writer *w, const char *name, int components,
                           const signed char dimensions[7], const struct share *share, const double *slice,
-                          patch_preparer *prepare, patch_printer *print, void *context, struct file_sum *sum);
+                          const struct patch_entries *entries, struct file_sum *sum);
 
 #endif

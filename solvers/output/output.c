@@ -364,8 +364,8 @@ static status write_part(const struct writing *x, struct part *part) {
 static status write_shared(const struct setup *s, const struct field_writer *w, int quantity, struct printing *c,
                            struct file_sum *sum) {
     const struct quantity *q = &s->medium->type->quantity[quantity];
-    return field_write_shared(w, q->name, q->components, q->dimensions, c->share, c->slice, fetch_patch, print_patch, c,
-                              sum);
+    const struct patch_entries entries = {fetch_patch, print_patch, c};
+    return field_write_shared(w, q->name, q->components, q->dimensions, c->share, c->slice, &entries, sum);
 }
 
 status output_quantity(const struct setup *s, const struct field_writer *w, int quantity, struct file_sum *sum) {

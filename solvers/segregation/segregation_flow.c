@@ -18,14 +18,17 @@ static status spread(long n, const int *from, int components, const double *q, d
     return OK;
 }
 
-static status take_shear_rate(const struct polymesh *m, const double *centre, const double *face_centre, int dim,
-                              const int axis[3], const double *U, double **out) {
-    const long n = m->ncells;
+static struct cell_centres centres_of(const struct gas_time *g) {
+    return (struct cell_centres){g->mesh, g->geometry.cell_centre, g->geometry.face_centre, g->dim, g->axis};
+}
+
+static status take_shear_rate(const struct cell_centres *at, const double *U, double **out) {
+    const long n = at->mesh->ncells;
     double *room;
     TRY(allocate(&room, 15 * n, sizeof(double), "shear rates"));
     status e = allocate(out, n, sizeof(double), "shear rates");
     double *g[3] = {room, room + 3 * n, room + 6 * n};
-    for (int i = 0; i < 3 && !e; i++) cell_gradients(m, centre, face_centre, dim, axis, 3, U + i, g[i], room + 9 * n);
+    for (int i = 0; i < 3 && !e; i++) cell_gradients(at, 3, U + i, g[i], room + 9 * n);
     for (long c = 0; c < n && !e; c++) {
         double sum = 0;
         for (int i = 0; i < 3; i++)
@@ -44,7 +47,7 @@ static status own_shear_rate(const struct setup *s, const struct segregation_pla
     double *room, *rate = NULL;
     TRY(allocate(&room, 6L * s->mesh->nfaces, sizeof(double), "geometry"));
     polymesh_face_geometry(s->mesh, room, room + 3L * s->mesh->nfaces);
-    status e = take_shear_rate(s->mesh, s->centre, room, s->dim, s->axis, U, &rate);
+    status e = take_shear_rate(&(struct cell_centres){s->mesh, s->centre, room, s->dim, s->axis}, U, &rate);
     free(room);
     if (!e && p) e = segregation_places_take(p, 1, rate, out);
     if (p)
@@ -136,8 +139,8 @@ static status lattice_flow(const struct segregation_places *p, const struct segr
     if (!e && m->weighted) e = spread(p->n, from, 1, other, &f->density);
     free(other);
     other = NULL;
-    if (!e && m->sheared)
-        e = take_shear_rate(g->mesh, g->geometry.cell_centre, g->geometry.face_centre, g->dim, g->axis, U, &other);
+    const struct cell_centres centres = centres_of(g);
+    if (!e && m->sheared) e = take_shear_rate(&centres, U, &other);
     if (!e && m->sheared) e = spread(p->n, from, 1, other, &f->shear_rate);
     for (long i = 0; !e && i < p->n; i++)
         if (f->density && from[i] >= 0 && !(f->density[i] > 0))
@@ -204,9 +207,8 @@ static status stress_along(const struct setup *s, const struct segregation_model
     if (!e) e = gas_time_cells(&g, p, &from);
     if (!e) e = allocate(&room, 9L * g.mesh->ncells, sizeof(double), "a slope");
     if (!e) e = allocate(out, p->n, sizeof(double), "a slope");
-    if (!e)
-        cell_gradients(g.mesh, g.geometry.cell_centre, g.geometry.face_centre, g.dim, g.axis, 1, stress, room,
-                       room + 3L * g.mesh->ncells);
+    const struct cell_centres centres = centres_of(&g);
+    if (!e) cell_gradients(&centres, 1, stress, room, room + 3L * g.mesh->ncells);
     for (long i = 0; !e && i < p->n; i++)
         for (int k = 0; k < 3 && from[i] >= 0; k++)
             (*out)[i] += m->q / m->rho * m->direction[k] * room[3L * from[i] + k];

@@ -201,8 +201,10 @@ static void solve_cell(int dim, const int axis[3], const double *sums, double *o
     for (int i = 0; i < dim; i++) out[axis[i]] = x[i];
 }
 
-void cell_gradients(const struct polymesh *m, const double *centre, const double *face_centre, int dim,
-                    const int axis[3], int stride, const double *q, double *out, double *room) {
+void cell_gradients(const struct cell_centres *at, int stride, const double *q, double *out, double *room) {
+    const struct polymesh *m = at->mesh;
+    const double *centre = at->centre, *face_centre = at->face_centre;
+    const int dim = at->dim, *axis = at->axis;
     double d[3];
     memset(out, 0, 3 * (size_t)m->ncells * sizeof *out);
     memset(room, 0, 6 * (size_t)m->ncells * sizeof *room);

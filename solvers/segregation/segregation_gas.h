@@ -35,9 +35,15 @@ status gas_time_columns(const struct gas_time *g, int axis, int components, cons
 double column_value(int n, const struct segregation_column *c, int component, double at);
 double column_slope(int n, const struct segregation_column *c, double at); /* slope of component 0 */
 
+struct cell_centres { /* of a mesh, with those of its faces; the axes that are solved */
+    const struct polymesh *mesh;
+    const double *centre, *face_centre;
+    int dim;
+    const int *axis; /* [3] */
+};
 /* Computes grad q of q[stride * cell], by least squares over the neighbours: out[ncells][3], 0 along axes that are not
  * solved. It is exact for linear q, and of second order between two neighbours on a line. */
-void cell_gradients(const struct polymesh *m, const double *centre, const double *face_centre, int dim,
-                    const int axis[3], int stride, const double *q, double *out, double *room /* [ncells][6] */);
+void cell_gradients(const struct cell_centres *at, int stride, const double *q, double *out,
+                    double *room /* [ncells][6] */);
 
 #endif
