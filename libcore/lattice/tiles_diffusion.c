@@ -113,9 +113,9 @@ struct stress_row { /* the faces below n cells along an axis; lines stand at the
     int n, axis;
     double h;  /* width of a cell along the axis */
     long step; /* leads across the face */
-    const double *restrict face,
-        *restrict keep, *restrict low, *restrict high; /* keep: NULL: all 1; low, high: the gradients on both sides */
-    const double *restrict S;
+    const double *restrict face, *restrict S;
+    const double *restrict keep;                /* NULL: all 1 */
+    const double *restrict low, *restrict high; /* the gradients on both sides */
     double (*restrict out)[LINE];
 };
 
