@@ -13,6 +13,7 @@ LAYERS = ("mesh", "libcore", "solvers")
 MOST_FILES = 24  # of a room
 MOST_LINES = 700  # of a file
 LONGEST = 45  # lines of a function: a screen
+MOST_PARAMETERS = 8  # of a function: more are a struct that names them
 
 LICENCE = "SPDX-License-Identifier: GPL-3.0-or-later"
 
@@ -173,6 +174,13 @@ def long_functions(files, longest):
     return wrong
 
 
+def long_lists(files, most):
+    """Functions, also their types, that take more than so many parameters."""
+    return [f"{path}: {name} has {count} parameters" for path, text in files.items()
+            for name, count in ((found[1], found[2].count(",") + 1) for found in re.finditer(
+                r"^[A-Za-z_][\w \t*]*?\b(\w+)\(((?:[^(){};]|\([^(){};]*\))*)\)", bare(text), re.MULTILINE)) if count > most]
+
+
 def outside_functions(text):
     """The declarations of a file that stand in no braces, with {} in place of what does."""
     out, now, depth = [], "", 0
@@ -319,6 +327,9 @@ class Rooms(unittest.TestCase):
     def test_functions_fit_a_screen(self):
         self.assertNone(long_functions(self.files, LONGEST))
 
+    def test_functions_take_few_parameters(self):
+        self.assertNone(long_lists(self.files, MOST_PARAMETERS))
+
     def test_kernels_have_names_of_their_own(self):
         self.assertGreater(sum(text.count("\nKERNEL static ") for text in self.files.values()), 50)
         self.assertNone(shared_kernels(self.files))
@@ -445,6 +456,14 @@ class Rules(unittest.TestCase):
         self.assertEqual([], long_functions({"a.c": f"static int f(int x,\n             int y) {{\n{body}}}\n"}, 13))
         self.assertEqual(1, len(long_functions({"a.c": f"static int f(int x,\n             int y) {{\n{body}}}\n"}, 12)))
         self.assertEqual([], long_functions({"a.c": f"int f(void);\nstruct s {{\n{body}}}\n;"}, 5))
+
+    def test_parameters(self):
+        for text in ("KERNEL static void f(int a, const double *restrict b) {\n}\n", "status f(int a,\n         double (*b)[N]);\n",
+                     "typedef void f(int a, void (*b)(int c));\n"):
+            self.assertEqual([], long_lists({"a.c": text}, 2), text)
+            self.assertEqual(1, len(long_lists({"a.c": text}, 1)), text)
+        for text in ("    f(a, b, c);\n", "/* f(a, b, c) */\n", "#define F(a, b, c) a\n", "static int f(void), a, b;\n"):
+            self.assertEqual([], long_lists({"a.c": text}, 2), text)
 
     def test_heads(self):
         for text in ("/* Reads a .msh file.\n * More. */\n", "/* trees: one tree per tile\n * of a lattice. */",
