@@ -150,7 +150,8 @@ bool same_background(const struct gas *g, const double *a, const double *b) {
 static void write_row(const struct gas *g, double *U, long row, int low, int high) {
     for (int v = 0; v < g->nvar && low < high; v++) {
         double *q = U + v * g->forest->size;
-        for (int i = low; i < high; i++) q[row + i] = q[0];
+        const double background = q[0];
+        for (int i = low; i < high; i++) q[row + i] = background;
     }
 }
 
