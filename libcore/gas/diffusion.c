@@ -31,9 +31,6 @@
  */
 #include "libcore/gas/gas_private.h"
 
-/* T at the end of a step is extrapolated from the first half by at most this factor: at a front that passes the
- * extrapolation says nothing of what follows. */
-#define MOST_RISE 4.
 enum {
     MOST_PARTS = 64, /* most parts that a half step is cut into before the time step is halved */
     ASK_EVERY = 64   /* stages after which the ranks ask each other whether to leave the step */

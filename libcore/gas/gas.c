@@ -9,15 +9,21 @@ struct wanted_line {
     double ***line;
     bool wanted;
 };
-enum { LINES = 9 };
+enum { LINES = 11 };
 static void list_lines(struct gas *g, struct wanted_line out[LINES]) {
     const bool falls = source_falls(&g->models.source, g->components), diffuses = g->models.transport != NULL;
-    const struct wanted_line all[LINES] = {
-        {&g->limits.flags.cells, true},   {&g->limits.flags.limited, true},
-        {&g->limits.flags.kept, true},    {&g->limits.flags.mark, diffuses},
-        {&g->diffusion.warm, diffuses},   {&g->diffusion.friction, diffuses},
-        {&g->diffusion.cooled, diffuses}, {&g->diffusion.dilation, g->diffusion.terms.dilation},
-        {&g->falling.cells, falls}};
+    const bool sees = needs_shear_rate(&g->models);
+    const struct wanted_line all[LINES] = {{&g->limits.flags.cells, true},
+                                           {&g->limits.flags.limited, true},
+                                           {&g->limits.flags.kept, true},
+                                           {&g->limits.flags.mark, diffuses},
+                                           {&g->diffusion.warm, diffuses},
+                                           {&g->diffusion.friction, diffuses},
+                                           {&g->diffusion.cooled, diffuses},
+                                           {&g->diffusion.dilation, g->diffusion.terms.dilation},
+                                           {&g->falling.cells, falls},
+                                           {&g->diffusion.shear_rate.now, sees},
+                                           {&g->diffusion.shear_rate.rise, sees && diffuses}};
     memcpy(out, all, sizeof all);
 }
 
@@ -71,7 +77,6 @@ static status make(const struct gas *like, struct gas **out) {
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = make_lines(g);
     if (!s) s = g->engine->state.make(g);
-    if (!s) s = shear_rate_make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
     if (!s) s = dense_make(g);
     if (s)
@@ -117,7 +122,6 @@ void gas_free(struct gas *g) {
     if (!g) return;
     implicit_free(g->diffusion.implicit);
     dense_free(g);
-    shear_rate_free(g);
     g->engine->state.free(g);
     books_free(g);
     status_free(g->patches.failed);

@@ -15,6 +15,9 @@
  * none on the other side VOID_BESIDE times, where p changes by more than VOID_BESIDE, too. */
 #define VOID        100.
 #define VOID_BESIDE 4.
+/* T and the shear rate at the end of a step are extrapolated from the first half by at most this factor: at a front
+ * that passes the extrapolation says nothing of what follows. */
+#define MOST_RISE 4.
 /* Most of the largest rate of diffusion times half a step: beyond it sums of stages have no digit of q_0 left. */
 #define MOST_RATIO 1e16
 /* Most stages of stress, or of heat, that a half step may take before it is cut into parts. */
@@ -399,8 +402,6 @@ int row_limited(const struct gas *g, int n, const double *from, const double *to
 /* ---- what laws ask for (libcore/gas/shear_rate.c) ---- */
 
 bool needs_shear_rate(const struct gas_models *m); /* does any law? */
-status shear_rate_make(struct gas *g);
-void shear_rate_free(struct gas *g);
 /* Does a source? Then the hook `shear_rate` must have seen the state that they act on, with the values that patches
  * have at its time. */
 bool sources_ask(const struct gas *g);

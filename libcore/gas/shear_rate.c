@@ -6,41 +6,11 @@
  * state before it, times the factor by which the first half changed it, as T (libcore/gas/diffusion.c). */
 #include "libcore/gas/gas_private.h"
 
-#include <stdlib.h>
-
-/* The factor is at most this: at a front that passes it says nothing of what follows. */
-static const double MOST_RISE = 4;
 static const double NO_SHEAR = 1e-200; /* 1/s: added to both sides of the factor's fraction, for gas without shear */
-
-/* The states have as many blocks. */
-static int blocks_of(const struct gas *g) {
-    return g->forest ? g->forest->ntiles : 1;
-}
-
-static status make_lines(const struct gas *g, double ***lines) {
-    TRY(allocate(lines, blocks_of(g), sizeof **lines, "the shear rate"));
-    for (int b = 0; b < blocks_of(g); b++)
-        TRY(allocate(&(*lines)[b], g->size + SLACK, sizeof ***lines, "the shear rate"));
-    return OK;
-}
 
 bool needs_shear_rate(const struct gas_models *m) {
     const unsigned needs = (m->transport ? m->transport->needs : 0) | source_needs(&m->source, &m->material);
     return needs & NEEDS_SHEAR_RATE;
-}
-
-status shear_rate_make(struct gas *g) {
-    if (!needs_shear_rate(&g->models)) return OK;
-    TRY(make_lines(g, &g->diffusion.shear_rate.now));
-    return g->models.transport ? make_lines(g, &g->diffusion.shear_rate.rise) : OK;
-}
-
-void shear_rate_free(struct gas *g) {
-    double **lines[] = {g->diffusion.shear_rate.now, g->diffusion.shear_rate.rise};
-    for (int i = 0; i < 2; i++) {
-        for (int b = 0; lines[i] && b < blocks_of(g); b++) free(lines[i][b]);
-        free(lines[i]);
-    }
 }
 
 static bool transport_asks(const struct gas *g) {
@@ -54,7 +24,7 @@ bool sources_ask(const struct gas *g) {
 void diffusion_sees(struct gas *g, const struct state *s) {
     if (!transport_asks(g)) return;
     g->engine->state.shear_rate(g, s);
-    for (int b = 0; b < blocks_of(g) && g->diffusion.ahead; b++)
+    for (int b = 0; b < g->blocks.n && g->diffusion.ahead; b++)
         for (long i = 0; i < g->size; i++) g->diffusion.shear_rate.now[b][i] *= g->diffusion.shear_rate.rise[b][i];
 }
 
@@ -64,7 +34,7 @@ void diffusion_looks_ahead(struct gas *g, const struct state *to) {
     g->diffusion.shear_rate.now = g->diffusion.shear_rate.rise;
     g->diffusion.shear_rate.rise = before;
     g->engine->state.shear_rate(g, to);
-    for (int b = 0; b < blocks_of(g); b++)
+    for (int b = 0; b < g->blocks.n; b++)
         for (long i = 0; i < g->size; i++) {
             const double rise = (g->diffusion.shear_rate.now[b][i] + NO_SHEAR) / (before[b][i] + NO_SHEAR);
             before[b][i] = smaller(larger(rise, 1 / MOST_RISE), MOST_RISE);
