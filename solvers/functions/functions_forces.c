@@ -52,7 +52,8 @@ static void forces_head(const struct function *f, int i, FILE *o) {
             "Time");
 }
 
-static status write_row(struct function *f, int i, double t, double part[FORCE_PARTS][3]) {
+/* part: [FORCE_PARTS] */
+static status write_row(struct function *f, int i, double t, double (*part)[3]) {
     double total[3];
     FILE *o;
     TRY(function_row(f, i, t, &o));
