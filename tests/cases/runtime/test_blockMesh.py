@@ -10,6 +10,7 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.harness import boxes, haff
+from tests.install import outside
 
 FOAM = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
 
@@ -258,6 +259,7 @@ def peak(*command):
     return used.ru_maxrss * 1024
 
 
+@unittest.skipIf(outside.INSTALLS and outside.cached("HAFF_SANITIZE") == "ON", "sanitizers keep memory of their own")
 class Memory(harness.Folder, unittest.TestCase):
     """What a cell takes, as the difference of two runs of which one has more cells: start, two steps, writing, restart."""
 
