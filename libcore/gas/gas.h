@@ -16,6 +16,7 @@
 #include "libcore/gas/diffusion.h"
 #include "libcore/models/boundary.h"
 #include "libcore/models/eos.h"
+#include "libcore/models/friction.h"
 #include "libcore/models/source.h"
 #include "libcore/models/transport.h"
 #include "libcore/schemes/flux.h"
@@ -36,12 +37,14 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     const struct polynomial *polynomial; /* takes the place of reconstruct on polyhedra; may be NULL on a lattice */
     const struct transport *transport;   /* NULL: the gas is inviscid, and transport costs nothing */
     struct own_params transport_params;  /* parameters of the transport law */
-    const struct diffusion *diffusion;   /* time scheme of viscous stress and heat conduction; with transport */
-    const struct linear_module *linear;  /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
-    const struct acoustics *acoustics;   /* NULL: explicit */
-    struct own_params acoustics_params;  /* parameters of the row */
-    int components;                      /* of u, if more than the mesh has axes; 0: as many */
-    double alpha_floor;                  /* least alpha: mass is added where fluxes would fall below it; 0: off */
+    const struct friction *friction;     /* of packed gas; NULL or the row `none`: there is none */
+    struct friction_params friction_params;
+    const struct diffusion *diffusion;  /* time scheme of viscous stress and heat conduction; with transport */
+    const struct linear_module *linear; /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
+    const struct acoustics *acoustics;  /* NULL: explicit */
+    struct own_params acoustics_params; /* parameters of the row */
+    int components;                     /* of u, if more than the mesh has axes; 0: as many */
+    double alpha_floor;                 /* least alpha: mass is added where fluxes would fall below it; 0: off */
     /* without transport or a law that sees the shear rate: are cells in exactly uniform surroundings left out
      * (libcore/lattice/tiles_activity.c)? The bits stay the same */
     bool skip_uniform;

@@ -42,6 +42,7 @@ static const struct param shaking_param[] = {
 #define PARAM_STRUCT struct case_models
 static const struct param properties_param[] = {
     NOTED("grain", "dictionary", NULL, "the grains", "grain { diameter 1e-3; restitution 0.9; }"),
+    NOTED("friction", "dictionary", "none", "of grains that stay in contact", "friction { type muI; muStatic 0.38; }"),
 };
 static const struct param limits_param[] = {
     NUMBER("minDeltaTFraction", min_fraction, 1e-3, BETWEEN(0, 1), NO_UNIT,
@@ -113,6 +114,30 @@ static status transport_suits(struct dict *d, void *base) {
     return OK;
 }
 
+static bool rubs(const struct gas_models *m) {
+    return m->friction && m->friction->on;
+}
+
+static status friction_suits(struct dict *d, void *base) {
+    const struct gas_models *m = &((struct case_models *)base)->gas;
+    if (!rubs(m) || m->eos->bounded) return OK;
+    return dict_fail(d, "type",
+                     "friction is for gas near packing, and %s has no alphaMax: say  type none;  or choose "
+                     "another equationOfState",
+                     m->eos->model.name);
+}
+
+static status friction_holds(struct dict *d, void *base) {
+    struct case_models *m = base;
+    m->gas.friction_params = friction_params(&m->friction, &m->gas.material);
+    if (!rubs(&m->gas)) return OK;
+    if (dict_has(d, "muStatic") && dict_has(d, "frictionAngle"))
+        return dict_fail(d, "frictionAngle", "muStatic = sin frictionAngle is given, too: leave one of them out");
+    friction_complete(&m->friction, &m->gas.material);
+    const char *objection = friction_objection(&m->gas.friction_params);
+    return objection ? dict_fail(d, "type", "%s", objection) : OK;
+}
+
 static status diffusion_suits(struct dict *d, void *base) {
     struct gas_models *m = &((struct case_models *)base)->gas;
     status missing = m->transport && !m->diffusion->plan ? linear_load(&m->linear) : OK, s = OK;
@@ -123,6 +148,11 @@ static status diffusion_suits(struct dict *d, void *base) {
 
 static status acoustics_suits(struct dict *d, void *base) {
     const struct gas_models *m = &((struct case_models *)base)->gas;
+    if (rubs(m) && !m->acoustics->implicit)
+        return dict_fail(d, "type",
+                         "friction %s acts in implicit acoustic steps alone: say  type automatic;  or  type implicit;  "
+                         "or  friction { type none; }  in constant/granularProperties",
+                         m->friction->model.name);
     if (!m->acoustics->implicit || m->acoustics->automatic || m->eos->bounded) return OK;
     return dict_fail(d, "type",
                      "implicit acoustics are for gas near packing, and %s has no alphaMax: say  type explicit;",
@@ -139,6 +169,7 @@ enum {
     EOS,
     COOLING,
     TRANSPORT,
+    FRICTION,
     SOURCES,
     FLUX,
     RECONSTRUCT,
@@ -160,6 +191,10 @@ static const struct family families[FAMILIES] = {
     [TRANSPORT] = {PROPERTIES, "transport", .meaning = "viscosity and heat conduction", FAMILY_ROWS(transport),
                    .key = "transport", .none = "inviscid", .tacit = true, .chosen = MEMBER(gas.transport),
                    .params = MEMBER(gas.transport_params), .suits = transport_suits},
+    [FRICTION] = {PROPERTIES, "friction { type .. }", .meaning = "friction of grains that stay in contact",
+                  .usual = "none without the dictionary", FAMILY_ROWS(friction), .sub = "friction", .key = "type",
+                  .standard = "none", .flat = true, .tacit = true, .chosen = MEMBER(gas.friction),
+                  .params = MEMBER(friction), .suits = friction_suits, .holds = friction_holds},
     [SOURCES] = {PROPERTIES, "sources ( .. )", .meaning = "what acts on the gas besides gravity and impacts",
                  FAMILY_ROWS(source), .key = "sources", .list = true, .offered = source_offered,
                  .chosen = MEMBER(source.on), .params = MEMBER(source.params)},
@@ -409,8 +444,8 @@ static void go_through(struct keywords *k, const char *file, const struct param 
 void models_leave_keywords(struct keywords *k) {
     keywords_at(k, PROPERTIES, "", NULL);
     for (int i = 0; i < FAMILIES; i++) {
-        const struct param row =
-            IGNORED(families[i].key, i == EOS ? "for granularGas and a settledLayer" : "for granularGas");
+        const struct param row = IGNORED(families[i].sub ? families[i].sub : families[i].key,
+                                         i == EOS ? "for granularGas and a settledLayer" : "for granularGas");
         if (stands_in(&families[i], PROPERTIES) && !families[i].list) keywords_params(k, &row, 1);
     }
 }

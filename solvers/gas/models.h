@@ -25,6 +25,7 @@ struct case_models {
     const struct mesh_engine *engine; /* the engine asked for, which the mesh may forbid; NULL: as the mesh is */
     struct sources source;            /* sources of constant/granularProperties alone, vectors along physical axes */
     struct gas_models gas;
+    struct own_params friction; /* the entries that gas.friction_params are made of, with their defaults */
     struct forces forces;
     double min_fraction; /* fraction of the time step of loose gas below which the gas has collapsed */
     bool skip_axes;      /* is an axis along which the run is uniform computed on one layer of cells? */
