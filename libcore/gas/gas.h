@@ -139,6 +139,9 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit);
 /* Can a gas of these models ever take such steps? */
 bool gas_may_be_dense(const struct gas_models *m);
+static inline bool gas_rubs(const struct gas_models *m) { /* is there friction? */
+    return m->friction && m->friction->on;
+}
 /* Returns the largest inertial number (docs/physics.md 4.8) |u| sigma/(h sqrt(p/rho of a grain)) of dense cells in the
  * last gas_bed_step, an upper estimate as u may change over more than a cell; HUGE_VAL if there was no bed. */
 double gas_inertia(const struct gas *g);
@@ -223,12 +226,13 @@ void gas_tally_faces(const struct gas *g, int block, gas_face_visitor *visit, vo
  * collective. */
 
 /* Causes of changes, besides the rows of source_table. */
-enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CAUSES };
+enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CONTACTS, GAS_CAUSES };
 enum gas_edge { GAS_WALLS, GAS_OPEN, GAS_EDGES };
 struct gas_budget {              /* sums over the domain, as by gas_totals */
     double mass, energy;         /* kg, J: of the present state */
     double sourced[SOURCE_MOST]; /* J: from each source */
-    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U */
+    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U,
+                                  * friction of grains in contact */
     double flowed, filled;       /* kg: through open patches, and by the density floor */
     double lost[2];              /* kg, J: changes that no cause accounts for: round-off */
     /* N s along computational axes, [components]: of the present state; from each source; through walls and open
