@@ -364,6 +364,10 @@ void drop_begin(const struct gas *g);
 void freeze_row(const struct gas *g, int n, const struct advance *s, const double *part);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
+/* Computes the coefficients of the law of transport for a line of cells. Where packed grains rub, friction is the share
+ * s of the shear stress (libcore/models/friction.h), and the viscosities keep 1 - s. Conduction stays whole. */
+void transport_row(const struct gas *g, const struct closure_line *cells, double *restrict bulk, double *restrict shear,
+                   double *restrict heat);
 /* Computes q_0 of a row (diffusion_hooks.begin), of which components of u, or T alone, go to lines q. */
 void start_row(const struct gas *g, enum diffusing what, const struct state *Y0, const struct row *row, double pending,
                double *const *q);

@@ -55,7 +55,7 @@ static void coefficient_visit(void *context, long offset, int n) {
     const struct gas_models *m = &g->models;
     const struct closure_line cells = {
         m->eos, &m->material, n, v->U + offset, T, v->shear_rate ? v->shear_rate + offset : NULL};
-    m->transport->coefficients(&m->transport_params, &cells, w->p + offset, w->c + offset, w->gruneisen + offset);
+    transport_row(g, &cells, w->p + offset, w->c + offset, w->gruneisen + offset);
     if (v->cross) m->transport->cross(&m->transport_params, &cells, v->cross + offset);
     if (v->dilation) m->transport->dilation(&m->transport_params, &cells, v->dilation + offset);
 }

@@ -16,26 +16,27 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 #define SURFACE_COHESION 0.5
 static const double FRICTION_FROM = 0.78, SOLID_FROM = 0.90; /* of alphaMax */
 
-/* What a dictionary says. Where `unsaid` stands, friction_params finds the value. */
+/* What a dictionary says. Where UNSAID stands, friction_params finds the value. */
 struct friction_entries {
     struct friction_params p;
     double angle; /* degrees, with sin(angle) = mu_static */
 };
 OWN_PARAMS_FIT(struct friction_entries);
 enum { UNSAID = -1 };
+#define UNLESS_GIVEN(text, entry) (UNSAID), .usual = text, .example = entry
 
 #define PARAM_STRUCT struct friction_entries
 #define STATIC_PARAM                                                                                                   \
     NUMBER("muStatic", p.mu_static, MU_STATIC, FROM_TO(0, 1), NO_UNIT,                                                 \
            "coefficient of friction at rest: tan of the slope at which a layer starts, sin of frictionAngle")
 #define ANGLE_PARAM                                                                                                    \
-    NUMBER("frictionAngle", angle, USUALLY(UNSAID, "asin muStatic"), FROM_TO(0, 90), NO_UNIT,                          \
+    NUMBER("frictionAngle", angle, UNLESS_GIVEN("asin muStatic", "frictionAngle 21;"), FROM_TO(0, 90), NO_UNIT,        \
            "degrees: another way to say muStatic = sin frictionAngle")
 #define COMMON_PARAMS                                                                                                  \
-    NUMBER("alphaFriction", p.alpha_friction, USUALLY(UNSAID, "0.78 alphaMax"), BETWEEN(0, 1), NO_UNIT,                \
-           "packing fraction below which contacts do not last: no friction"),                                          \
-        NUMBER("alphaSolid", p.alpha_solid, USUALLY(UNSAID, "0.90 alphaMax"), BETWEEN(0, 1), NO_UNIT,                  \
-               "packing fraction above which all stress is friction, and none is of collisions"),                      \
+    NUMBER("alphaFriction", p.alpha_friction, UNLESS_GIVEN("0.78 alphaMax", "alphaFriction 0.5;"), BETWEEN(0, 1),      \
+           NO_UNIT, "packing fraction below which contacts do not last: no friction"),                                 \
+        NUMBER("alphaSolid", p.alpha_solid, UNLESS_GIVEN("0.90 alphaMax", "alphaSolid 0.576;"), BETWEEN(0, 1),         \
+               NO_UNIT, "packing fraction above which all stress is friction, and none is of collisions"),             \
         NUMBER("shearModulus", p.modulus, MODULUS, BETWEEN(0, 1e9), NO_UNIT,                                           \
                "of packed gas, over the greatest pressure of the bed: below 30 a heap sags"),                          \
         NUMBER("cohesion", p.cohesion, 0, FROM_TO(0, HUGE_VAL), UNIT(1, -1, -2), "adds to the yield stress"),          \

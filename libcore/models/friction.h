@@ -32,6 +32,9 @@ struct friction {
 extern const struct friction friction_table[];
 extern const int friction_count;
 const struct friction *friction_find(const char *name); /* NULL: there is no such law */
+static inline bool friction_acts(const struct friction *f) {
+    return f && f->on;
+}
 
 /* Returns the parameters that the entries of a row mean, with the defaults that depend on others. own: as the row's
  * table fills it, or zeros for a row without parameters. */

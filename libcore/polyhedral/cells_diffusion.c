@@ -142,8 +142,7 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         const struct gas_models *models = &g->models;
         const struct closure_line cells = {
             models->eos, &models->material, n, rho + at, T, shear_rate_at(g, models->transport->needs, 0, at)};
-        models->transport->coefficients(&models->transport_params, &cells, d->cell[0] + at, d->cell[1] + at,
-                                        d->cell[2] + at);
+        transport_row(g, &cells, d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
         if (g->diffusion.dilation)
             models->transport->dilation(&models->transport_params, &cells, g->diffusion.dilation[0] + at);
     }

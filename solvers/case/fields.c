@@ -332,6 +332,9 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
 }
 
 static status read_parameter(struct dict *d, const struct param *p, double *out) {
+    const bool given = isnan(p->standard) || dict_has(d, p->name);
+    for (int k = 0; !given && k < (p->kind == PARAM_VECTOR ? 3 : 1); k++) out[k] = p->standard;
+    if (!given) return OK;
     if (p->kind == PARAM_VECTOR) return dict_vector(d, p->name, p->unit, out);
     TRY(dict_number(d, p->name, p->unit, out));
     return *out >= p->low && *out <= p->high ? OK

@@ -124,12 +124,18 @@ static status read_list(const struct family *k, struct dict *d, void *base) {
     return OK;
 }
 
+/* Marks the parameters of all rows, which stand beside a row of a flat family that has none. */
+static void pass_params(const struct family *k, const struct dict *d) {
+    for (int i = 0; i < *k->count; i++)
+        for (int p = 0; p < row_of(k, i)->nparam; p++) (void)dict_has(d, row_of(k, i)->param[p].name);
+}
+
 static status read_one(const struct family *k, struct dict *d, void *base) {
     const struct model *row;
     TRY(choose(k, d, &row));
     memcpy((char *)base + k->chosen, &row, sizeof row);
     if (k->suits) TRY(k->suits(d, base));
-    if (d && k->flat && row->nparam == 0) dict_mark_used(d);
+    if (d && k->flat && row->nparam == 0) pass_params(k, d);
     if (d && !k->flat) TRY(leave_coeffs(k, d, row));
     return row && row->nparam > 0 ? read_params(k, d, row, (char *)base + k->params) : OK;
 }

@@ -114,13 +114,9 @@ static status transport_suits(struct dict *d, void *base) {
     return OK;
 }
 
-static bool rubs(const struct gas_models *m) {
-    return m->friction && m->friction->on;
-}
-
 static status friction_suits(struct dict *d, void *base) {
     const struct gas_models *m = &((struct case_models *)base)->gas;
-    if (!rubs(m) || m->eos->bounded) return OK;
+    if (!friction_acts(m->friction) || m->eos->bounded) return OK;
     return dict_fail(d, "type",
                      "friction is for gas near packing, and %s has no alphaMax: say  type none;  or choose "
                      "another equationOfState",
@@ -130,7 +126,7 @@ static status friction_suits(struct dict *d, void *base) {
 static status friction_holds(struct dict *d, void *base) {
     struct case_models *m = base;
     m->gas.friction_params = friction_params(&m->friction, &m->gas.material);
-    if (!rubs(&m->gas)) return OK;
+    if (!friction_acts(m->gas.friction)) return OK;
     if (dict_has(d, "muStatic") && dict_has(d, "frictionAngle"))
         return dict_fail(d, "frictionAngle", "muStatic = sin frictionAngle is given, too: leave one of them out");
     friction_complete(&m->friction, &m->gas.material);
@@ -148,7 +144,7 @@ static status diffusion_suits(struct dict *d, void *base) {
 
 static status acoustics_suits(struct dict *d, void *base) {
     const struct gas_models *m = &((struct case_models *)base)->gas;
-    if (rubs(m) && !m->acoustics->implicit)
+    if (friction_acts(m->friction) && !m->acoustics->implicit)
         return dict_fail(d, "type",
                          "friction %s acts in implicit acoustic steps alone: say  type automatic;  or  type implicit;  "
                          "or  friction { type none; }  in constant/granularProperties",

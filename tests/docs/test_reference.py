@@ -238,7 +238,9 @@ BESIDES = {
     ("constant/segregationProperties", "percolation", "kineticStress"): "direction (0 1 0);",
     ("constant/segregationProperties", "diffusivity", ""): "value 1e-6;",
 }
-ALSO = {("0.orig/phi", "fixedValue"): {"0.orig/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
+RUBBING = {"constant/granularProperties": "friction { type muI; }\n"}  # muWall needs it
+ALSO = {**{("0.orig/alpha", wall): RUBBING for wall in ("frictionalSlip", "granularWall", "JohnsonJacksonSlip")},
+        ("0.orig/phi", "fixedValue"): {"0.orig/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
 # Dictionaries that are put in place of those of the example, whose entries are of another type.
 ANEW = ("percolation", "diffusivity")
 # Of whole entries: words that a program knows and that no case of docs/examples can have. It refuses them with the reason; two closures
@@ -338,7 +340,7 @@ class Programs(unittest.TestCase):
         """(files, dictionary, type) -> its rows, keywords only."""
         found = {}
         for row in self.rows[program]:
-            if not row.word and row.standard != "ignored" and row.name != "volumetricFlowRate":  # it stands in place of another
+            if not row.word and row.standard != "ignored" and row.name not in ("volumetricFlowRate", "frictionAngle"):  # they stand in place of others
                 found.setdefault((tuple(row.files), row.inside, row.when), []).append(row)
         return found
 
@@ -432,7 +434,7 @@ class Programs(unittest.TestCase):
             entries = {file: of.get("U" if file == "0.orig/U" else "scalars") or row.example for file in here if takes_it(file, takes)}
             if "0.orig/phi" in entries and row.value in ("fixedValue", "zeroGradient"):
                 entries["0.orig/U"] = "type zeroGradient;"  # beside a wall phi is noFlux
-            return base, {file: f"\nboundaryField {{ {patch} {{ {entry} }} }}\n" for file, entry in entries.items()}
+            return base, {file: f"\nboundaryField {{ {patch} {{ {entry} }} }}\n" for file, entry in entries.items()} | ALSO.get((row.files[0], row.value), {})
         around = {"functions/NAME": "functions { added { %s } }"}.get(row.inside, row.inside and row.inside + " { %s }") or "%s"
         base = f"plain {example}" if example in ("gas", "grains") and row.files == ["constant/granularProperties"] else example
         return base, {row.files[0]: "\n" + around % row.example + "\n"}
