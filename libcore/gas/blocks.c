@@ -35,14 +35,14 @@ static void visit_block(const struct gas *g, int block, const struct state *s, b
 }
 
 int grid_blocks(const struct gas *g) {
-    return g->forest ? g->forest->nblocks : g->grid->nblocks;
+    return g->forest ? g->forest->nblocks : g->blocks.grid->nblocks;
 }
 
 /* Returns the polyMesh's numbers of the cells of a block, and how many they are. */
 static const int *mesh_cells(const struct gas *g, int block, int *n) {
     if (!g->forest) {
-        *n = g->grid->block[block].ncells;
-        return g->grid->block[block].cell;
+        *n = g->blocks.grid->block[block].ncells;
+        return g->blocks.grid->block[block].cell;
     }
     const struct forest_block *b = &g->forest->block[block];
     *n = b->n[0] * b->n[1] * b->n[2];
@@ -111,6 +111,15 @@ void gas_block_variables(const struct gas *g, int block, int first, int n, doubl
     visit_block(g, block, &g->U, take_batch, &l);
 }
 
+void gas_set_carried(struct gas *g, int q, bool own, const double *values) {
+    put_lines(g, own, 1, &values, g->carried->quantity[q].phi);
+}
+
+void gas_block_carried(const struct gas *g, int block, int q, double *out) {
+    struct block_lines l = {.block = g->carried->quantity[q].phi, .size = g->size, .n = 1, .out = &out};
+    visit_block(g, block, NULL, take_batch, &l);
+}
+
 struct reading { /* of a field */
     const struct gas *g;
     enum gas_field field;
@@ -154,22 +163,33 @@ bool gas_block_uniform(const struct gas *g, int block, enum gas_field field, dou
 
 /* Gathers values of this rank's cells in the root's array, in polyMesh order. */
 static status gather(const struct gas *g, const double *values, double *all) {
-    return g->forest ? forest_gather(g->forest, values, all) : grid_gather(g->grid, values, all);
+    return g->forest ? forest_gather(g->forest, values, all) : grid_gather(g->blocks.grid, values, all);
+}
+
+/* Gathers a conserved variable or, if it is less than 0, carried quantity ~variable. */
+static status gather_line(const struct gas *g, int variable, double *all) {
+    double *values, *next;
+    TRY(comm_agree(g->comm, allocate(&values, cells_of_rank(g), sizeof *values, "the cells of this rank")));
+    next = values;
+    for (int b = 0, cells; b < grid_blocks(g); b++, next += cells) {
+        (void)mesh_cells(g, b, &cells);
+        if (variable < 0)
+            gas_block_carried(g, b, ~variable, next);
+        else
+            gas_block_variables(g, b, variable, 1, &next);
+    }
+    const status s = gather(g, values, all);
+    free(values);
+    return s;
 }
 
 status gas_get_variables(const struct gas *g, int first, int n, double *const *out) {
-    double *values = NULL;
-    status s = comm_agree(g->comm, allocate(&values, cells_of_rank(g), sizeof *values, "the cells of this rank"));
-    for (int v = 0; v < n && !s; v++) {
-        double *next = values;
-        for (int b = 0, cells; b < grid_blocks(g); b++, next += cells) {
-            (void)mesh_cells(g, b, &cells);
-            gas_block_variables(g, b, first + v, 1, &next);
-        }
-        s = gather(g, values, comm_root(g->comm) ? out[v] : NULL);
-    }
-    free(values);
-    return s;
+    for (int v = 0; v < n; v++) TRY(gather_line(g, first + v, comm_root(g->comm) ? out[v] : NULL));
+    return OK;
+}
+
+status gas_get_carried(const struct gas *g, int q, double *out) {
+    return gather_line(g, ~q, comm_root(g->comm) ? out : NULL);
 }
 
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]) {
@@ -192,7 +212,7 @@ status gas_field(const struct gas *g, enum gas_field field, double *const out[3]
 /* ---- sums ---- */
 
 status sum_blocks(const struct gas *g, const double *per_block, double *sum) {
-    return g->forest ? forest_sum(g->forest, per_block, sum) : grid_sum(g->grid, per_block, sum);
+    return g->forest ? forest_sum(g->forest, per_block, sum) : grid_sum(g->blocks.grid, per_block, sum);
 }
 
 struct summing {

@@ -54,7 +54,8 @@ static status make_kept(const struct gas *g, struct dense *d) {
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
     if (!gas_may_be_dense(m) || !g->engine->bed.make) return OK;
-    if (g->patches.fed && m->acoustics->automatic && !gas_rubs(m)) return OK; /* beds cannot be given mass */
+    /* beds cannot be given mass, and do not say what mass crosses their faces */
+    if (((g->patches.fed && !gas_rubs(m)) || m->ncarried > 0) && m->acoustics->automatic) return OK;
     TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
     struct dense *d = g->dense;
     d->bed = (struct bed){.eos = m->eos,

@@ -6,6 +6,7 @@
 
 #include <limits.h>
 
+#include "libcore/gas/carried.h"
 #include "libcore/gas/tally.h"
 
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
@@ -191,7 +192,8 @@ struct engine {
     struct diffusion_hooks diffusion;
     struct implicit_hooks implicit;
     struct bed_hooks bed;
-    struct tally_hooks tally; /* libcore/gas/tally.h */
+    struct tally_hooks tally;     /* libcore/gas/tally.h */
+    struct carried_hooks carried; /* libcore/gas/carried.h */
 };
 extern const struct engine engine_lattice, engine_polyhedral;
 

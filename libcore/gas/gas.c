@@ -79,6 +79,7 @@ static status make(const struct gas *like, struct gas **out) {
     if (!s) s = g->engine->state.make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
     if (!s) s = dense_make(g);
+    if (!s) s = carried_make(g);
     if (s)
         gas_free(g);
     else
@@ -105,14 +106,13 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
 status gas_make_polyhedral(const struct grid *grid, const struct gas_models *models, int npatches,
                            const struct patch_rules *rules, struct gas **out) {
     const struct gas g = {.engine = &engine_polyhedral,
-                          .grid = grid,
                           .comm = grid->comm,
                           .dim = grid->dim,
                           .components = models->components,
                           .counts = {.images = 1},
                           .size = grid->polyhedra->size,
                           .floors = {.places = grid->polyhedra->nown, .step = 1},
-                          .blocks = {1, grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
+                          .blocks = {1, grid, grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -122,6 +122,7 @@ void gas_free(struct gas *g) {
     if (!g) return;
     implicit_free(g->diffusion.implicit);
     dense_free(g);
+    carried_free(g);
     g->engine->state.free(g);
     books_free(g);
     status_free(g->patches.failed);
@@ -183,7 +184,7 @@ static status set_state(struct gas *g, long n, const double *rho, const double *
 }
 
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
-    return set_state(g, g->forest ? g->forest->ncells_all : g->grid->ncells_all, rho, u, T, gas_set_conserved);
+    return set_state(g, g->forest ? g->forest->ncells_all : g->blocks.grid->ncells_all, rho, u, T, gas_set_conserved);
 }
 
 status gas_set_own(struct gas *g, long cells, const double *rho, const double *const u[3], const double *T) {

@@ -15,6 +15,7 @@
 #include "libcore/acoustics/acoustics.h"
 #include "libcore/gas/diffusion.h"
 #include "libcore/models/boundary.h"
+#include "libcore/models/carried.h"
 #include "libcore/models/eos.h"
 #include "libcore/models/friction.h"
 #include "libcore/models/source.h"
@@ -39,12 +40,14 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     struct own_params transport_params;  /* parameters of the transport law */
     const struct friction *friction;     /* of packed gas; NULL or the row `none`: there is none */
     struct friction_params friction_params;
-    const struct diffusion *diffusion;  /* time scheme of viscous stress and heat conduction; with transport */
-    const struct linear_module *linear; /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
-    const struct acoustics *acoustics;  /* NULL: explicit */
-    struct own_params acoustics_params; /* parameters of the row */
-    int components;                     /* of u, if more than the mesh has axes; 0: as many */
-    double alpha_floor;                 /* least alpha: mass is added where fluxes would fall below it; 0: off */
+    const struct diffusion *diffusion;    /* time scheme of viscous stress and heat conduction; with transport */
+    const struct linear_module *linear;   /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
+    const struct acoustics *acoustics;    /* NULL: explicit */
+    struct own_params acoustics_params;   /* parameters of the row */
+    const struct carried_choice *carried; /* [ncarried] quantities that the gas carries (libcore/gas/carried.h) */
+    int ncarried;
+    int components;     /* of u, if more than the mesh has axes; 0: as many */
+    double alpha_floor; /* least alpha: mass is added where fluxes would fall below it; 0: off */
     /* without transport or a law that sees the shear rate: are cells in exactly uniform surroundings left out
      * (libcore/lattice/tiles_activity.c)? The bits stay the same */
     bool skip_uniform;
@@ -110,6 +113,13 @@ status gas_set_own(struct gas *g, long cells, const double *rho, const double *c
 void gas_set_own_conserved(struct gas *g, const double *const U[MAX_VAR]);
 /* Writes n conserved variables, from the first one on, of the cells of one of this rank's blocks: out[n][cells]. */
 void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out);
+
+/* Carried quantity q of gas_models.carried: sets it from the cells of this rank, as gas_set_own has them (own), or from
+ * an array in polyMesh order; gives it in the cells of a block, as gas_block_variables does; or gathers it as
+ * gas_get_variables does. */
+void gas_set_carried(struct gas *g, int q, bool own, const double *values);
+void gas_block_carried(const struct gas *g, int block, int q, double *out);
+status gas_get_carried(const struct gas *g, int q, double *out);
 
 /* Makes it known that the state now set, with its velocity taken as 0, is at rest under gravity in the cells with
  * rests[ncells_all]: on polyhedra it, and states near it, are then balanced to round-off

@@ -167,11 +167,12 @@ struct stepping {           /* the step in hand and those before it (libcore/ste
     bool held;               /* is a copy of the field `limited` kept, from before it? */
 };
 
-struct blocks {           /* of the state, and sums over them (libcore/gas/blocks.c) */
-    int n;                /* tiles, or 1 */
-    const double *volume; /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
-    double unit;          /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
-    double *sums;         /* [nvar][blocks of the grid] scratch */
+struct blocks {              /* of the state, and sums over them (libcore/gas/blocks.c) */
+    int n;                   /* tiles, or 1 */
+    const struct grid *grid; /* the mesh of polyhedra, borrowed; NULL on a lattice */
+    const double *volume;    /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
+    double unit;             /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
+    double *sums;            /* [nvar][blocks of the grid] scratch */
 };
 
 struct books {           /* what a step is booked in (libcore/step/books.c) */
@@ -182,10 +183,9 @@ struct books {           /* what a step is booked in (libcore/step/books.c) */
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
-    struct forest *forest;   /* the mesh, borrowed: a lattice cut into tiles; NULL on polyhedra */
-    const struct grid *grid; /* the mesh of polyhedra, borrowed; NULL on a lattice */
-    struct tiles *tiles;     /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
-    struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
+    struct forest *forest; /* the mesh, borrowed: a lattice cut into tiles; NULL on polyhedra */
+    struct tiles *tiles;   /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
+    struct cells *cells;   /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
     int dim;
     int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
@@ -204,7 +204,8 @@ struct gas {
     struct falling falling;
     struct half_diffusion diffusion;
 
-    struct dense *dense; /* implicit acoustics; NULL: there are none */
+    struct dense *dense;     /* implicit acoustics; NULL: there are none */
+    struct carried *carried; /* libcore/gas/carried.h; NULL: the gas carries nothing */
     struct counting counts;
     struct books books;
 };

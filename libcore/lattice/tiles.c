@@ -329,4 +329,13 @@ const struct engine engine_lattice = {
             .keep = tiles_bed_keep,
             .unfold = tiles_bed_unfold,
             .spread = tiles_bed_spread},
-    .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit}};
+    .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit},
+    .carried = {.make = tiles_carried_make,
+                .free = tiles_carried_free,
+                .fill = tiles_carried_fill,
+                .fill_phi = tiles_carried_fill_phi,
+                .slope = tiles_carried_slope,
+                .terms = tiles_carried_terms,
+                .most_out = tiles_carried_most_out,
+                .slopes = tiles_carried_slopes,
+                .move = tiles_carried_move}};

@@ -274,6 +274,21 @@ int tiles_tally_place(const struct gas *g, int tile, int side, long offset);
 void tiles_tally_begin(struct gas *g, int tile, const double *U);
 void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
 
+/* Carried quantities (libcore/lattice/tiles_carried.c): the hooks of libcore/gas/carried.h. */
+status tiles_carried_make(struct gas *g);
+void tiles_carried_free(struct gas *g);
+void tiles_carried_fill(struct gas *g, double **line);
+void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
+void tiles_carried_slope(struct gas *g, double **line, double **out);
+void tiles_carried_terms(struct gas *g, double dt);
+void tiles_carried_most_out(const struct gas *g, double most[2]);
+void tiles_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+void tiles_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+/* Give all faces of a tile the flux of mass of its background, before a stage of it; then note those below and above n
+ * cells of a row. */
+void tiles_carry_begin(struct gas *g, int tile, const double *U);
+void tiles_carry(struct gas *g, int tile, int axis, long offset, int n, const double *low, const double *high);
+
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */
 int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct state *from, const struct state *to,

@@ -63,6 +63,7 @@ static void settle_tile(struct gas *g, int tile, const struct state *U0, const s
     }
     for (int v = 0; v < g->nvar; v++) s.to[v * g->size] = last->to[v];
     if (g->books.tally) tiles_tally_begin(g, tile, s.from);
+    if (g->carried) tiles_carry_begin(g, tile, s.from);
     activity_empty(g, tile, to);
     g->counts.all += (long)n[0] * n[1] * n[2];
 }

@@ -64,7 +64,7 @@ static status cells_make(struct gas *g) {
     struct cells *c;
     TRY(allocate(&c, 1, sizeof *c, "the gas"));
     g->cells = c;
-    c->polyhedra = g->grid->polyhedra;
+    c->polyhedra = g->blocks.grid->polyhedra;
     for (int f = 0; f < c->polyhedra->face.n; f++)
         if (c->polyhedra->face.point_start[f + 1] - c->polyhedra->face.point_start[f] > BATCH)
             return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
@@ -249,6 +249,15 @@ const struct engine engine_polyhedral = {.state = {.make = cells_make,
                                                    .bed = cells_tally_bed,
                                                    .visit = cells_tally_visit,
                                                    .rest = cells_tally_rest},
+                                         .carried = {.make = cells_carried_make,
+                                                     .free = cells_carried_free,
+                                                     .fill = cells_carried_fill,
+                                                     .fill_phi = cells_carried_fill_phi,
+                                                     .slope = cells_carried_slope,
+                                                     .terms = cells_carried_terms,
+                                                     .most_out = cells_carried_most_out,
+                                                     .slopes = cells_carried_slopes,
+                                                     .move = cells_carried_move},
                                          .implicit = {.across = cells_implicit_across,
                                                       .sum = cells_implicit_sum,
                                                       .beyond = cells_implicit_beyond,

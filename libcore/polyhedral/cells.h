@@ -46,6 +46,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_fronts *fronts;         /* libcore/polyhedral/cells_fronts.c; NULL: nothing is done about fronts */
     struct cells_rules *rules;           /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
     struct cells_shear_rate *shear_rate; /* libcore/polyhedral/cells_shear_rate.c; NULL: no law asks for it */
+    struct cells_carried *carried;       /* libcore/polyhedral/cells_carried.c; NULL: the gas carries nothing */
     struct cells_bed *bed;               /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
 
@@ -188,6 +189,19 @@ status cells_bed_list(struct gas *g);
 void cells_bed_balance(struct gas *g, const struct state *from);
 void cells_bed_keep(struct gas *g, double weight);
 void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
+
+/* Carried quantities (libcore/polyhedral/cells_carried.c): the hooks of libcore/gas/carried.h; cells_carry notes the
+ * fluxes of mass of a stage. */
+status cells_carried_make(struct gas *g);
+void cells_carried_free(struct gas *g);
+void cells_carried_fill(struct gas *g, double **line);
+void cells_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
+void cells_carried_slope(struct gas *g, double **line, double **out);
+void cells_carried_terms(struct gas *g, double dt);
+void cells_carried_most_out(const struct gas *g, double most[2]);
+void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+void cells_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+void cells_carry(struct gas *g);
 
 /* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks of libcore/gas/tally.h; and what diffusion
  * passes on, by the fluxes in hand. */
