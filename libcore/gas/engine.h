@@ -10,7 +10,9 @@
 
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
 
-struct span; /* belongs to the lattice: libcore/lattice/tiles.h */
+struct span { /* the columns low <= i < high of a row of a tile */
+    int low, high;
+};
 /* The conserved variables of this rank's cells, in blocks: the tiles of a lattice, or one block for all polyhedra. A
  * tile has a background, the values that many of its cells share (libcore/lattice/tiles_activity.c), and a span for
  * each of its rows: the cells outside the span equal the background, and their memory is not kept up. */
@@ -40,6 +42,8 @@ struct block_cells { /* the cells of a block of the grid (mesh/grid/grid.h), in 
     int n[3];        /* along the axes; on polyhedra all along the first one */
     long first, step[3]; /* place of the first cell in a line, and from cell to cell: 0 between images of one cell */
     const int *at;       /* [n[0]] the places on polyhedra; NULL on a lattice */
+    const struct span *varied; /* the span of row (j, k) is varied[row[0] j + row[1] k]; NULL: there are none */
+    int row[2];
 };
 
 struct ending {                        /* the work that follows the last stage of a step */
@@ -54,7 +58,7 @@ struct state_hooks {
      * failed. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
-    /* Finds where the cells of a block of the grid are; those of s (NULL: of no state) are written out first. */
+    /* Finds where the cells of a block of the grid are, and the spans of s (NULL: none). */
     void (*cells)(const struct gas *g, int block, const struct state *s, struct block_cells *out);
     /* As gas_rest, under gravity. NULL: the engine balances pressure and weight by itself. */
     status (*rest)(struct gas *g, const bool *rests);

@@ -133,10 +133,12 @@ static void tiles_free(struct gas *g) {
 static void tiles_cells(const struct gas *g, int block, const struct state *s, struct block_cells *out) {
     const struct forest *f = g->forest;
     const struct forest_block *b = &f->block[block];
-    if (s) activity_store_all(g, b->tile, s);
-    *out = (struct block_cells){.block = b->tile, .first = f->first};
+    const struct activity *a = &g->tiles->activity;
+    *out = (struct block_cells){
+        .block = b->tile, .first = f->first, .row = {f->step[1] > 0, f->step[2] > 0 ? a->rows : 0}};
     memcpy(out->n, b->n, sizeof out->n);
     memcpy(out->step, f->step, sizeof out->step);
+    if (s && s->varied) out->varied = activity_row(a, s->varied[b->tile], 0, 0);
 }
 
 struct hand_over { /* hands runs of a tile's cells to a visitor of rows */

@@ -33,9 +33,6 @@ struct work { /* scratch of the tile in hand, [size] each */
     double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
     struct range *density;       /* [rows of activity_row] of the cells that the stage in hand reads */
 };
-struct span { /* the columns low <= i < high of a row of a tile */
-    int low, high;
-};
 #define SPAN_EMPTY ((struct span){1 << 20, -(1 << 20)})
 static inline bool span_empty(struct span s) {
     return s.low >= s.high;
