@@ -180,8 +180,14 @@ void gas_block_field(const struct gas *g, int block, enum gas_field field, doubl
 }
 
 bool gas_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
-    return g->engine->state.block_uniform && field != GAS_LIMITED &&
-           g->engine->state.block_uniform(g, block, field, value);
+    struct block_cells c;
+    g->engine->state.cells(g, block, &g->U, &c);
+    if (field == GAS_LIMITED || !c.varied) return false;
+    for (int k = 0; k < c.n[2] && !g->U.calm[c.block]; k++)
+        for (int j = 0; j < c.n[1]; j++)
+            if (span_of_row(&c, j, k).high > 0) return false;
+    field_row(g, field, 1, g->size, g->U.block[c.block], (double *[]){value, value + 1, value + 2});
+    return true;
 }
 
 /* Gathers values of this rank's cells in the root's array, in polyMesh order. */

@@ -75,8 +75,6 @@ struct state_hooks {
     void (*fill)(const struct gas *g, int n, double *const *block);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
-    /* As gas_block_uniform, but for GAS_LIMITED. NULL: no block is known to be uniform. */
-    bool (*block_uniform)(const struct gas *g, int block, enum gas_field field, double value[3]);
     /* speed finds the wave speeds of this rank's cells; fastest_place the place of the cell that has speed->rate, as
      * gas_fastest_place. */
     void (*speed)(struct gas *g, struct gas_speed *speed);

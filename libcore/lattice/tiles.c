@@ -191,16 +191,6 @@ static void tiles_join(const struct gas *g, const struct state *a, const struct 
     }
 }
 
-/* The values of the background of a tile without varied cells. */
-static bool tiles_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
-    const int tile = g->forest->block[block].tile, *n = g->forest->tile[tile].n;
-    for (int k = 0; k < n[2] && !g->U.calm[tile]; k++)
-        for (int j = 0; j < n[1]; j++)
-            if (!span_empty(*activity_row(&g->tiles->activity, g->U.varied[tile], j, k))) return false;
-    field_row(g, field, 1, g->size, g->U.block[tile], (double *[]){value, value + 1, value + 2});
-    return true;
-}
-
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {
     const struct forest *f = g->forest;
     const struct tile *t = &f->tile[tile];
@@ -304,7 +294,6 @@ const struct engine engine_lattice = {
               .unfold = tiles_unfold,
               .fill = tiles_fill,
               .place = tiles_place,
-              .block_uniform = tiles_block_uniform,
               .speed = tiles_speed,
               .fastest_place = tiles_fastest_place,
               .shear_rate = tiles_shear_rate},
