@@ -52,6 +52,7 @@ struct ending {                        /* the work that follows the last stage o
 };
 
 enum diffusing { VISCOUS, HEAT };
+enum rate { OF_VISCOUS = VISCOUS, OF_HEAT = HEAT, OF_FLOW };
 
 struct state_hooks {
     /* make allocates the states and the work memory of g, whose other members are set; free also undoes a make that
@@ -75,10 +76,10 @@ struct state_hooks {
     void (*fill)(const struct gas *g, int n, double *const *block);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
-    /* speed finds the wave speeds of this rank's cells; fastest_place the place of the cell that has speed->rate, as
-     * gas_fastest_place. */
+    /* speed finds the wave speeds of this rank's cells; rates computes what they are found from, or the last rates of
+     * diffusion, which were those of s, in the cells of a row of s (1/s). */
     void (*speed)(struct gas *g, struct gas_speed *speed);
-    void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
+    void (*rates)(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate);
     /* Sets g->diffusion.shear_rate.now to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or
      * across; where g->diffusion.shear_rate.now is not NULL. Collective. */
     void (*shear_rate)(struct gas *g, const struct state *s);
@@ -113,8 +114,6 @@ struct diffusion_hooks {
     /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS] and most[HEAT] are the largest rates of this
      * rank's cells, 1/s. */
     void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
-    /* Finds the centre of a cell that reached `rate` in the last rates, of Y0, as gas_fastest_place. */
-    void (*stiffest_place)(struct gas *g, enum diffusing what, const struct state *Y0, double rate, double place[3]);
     /* Fills the ghosts of a state that are NEAR_CELLS, beyond patches, too. */
     void (*ghosts)(struct gas *g, const struct state *s);
     /* Adds to the energy of `to` dt div (cross grad rho), with rho and the coefficients of the last rates. */

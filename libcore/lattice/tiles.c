@@ -241,8 +241,6 @@ void speed_visit(void *context, long offset, int n) {
         fast_row(n, w->velocity[k] + offset, w->c + offset, fast);
         s->most.axis[k] = larger(s->most.axis[k], largest(n, fast));
     }
-    for (int i = 0; s->wanted > 0 && s->found < 0 && i < n; i++)
-        if (rate[i] == s->wanted) s->found = offset + i;
     s->most.rate = larger(s->most.rate, largest(n, rate));
     loose_row(n, PACKED * g->limits.most, s->U + offset, rate);
     s->most.loose = larger(s->most.loose, largest(n, rate));
@@ -258,7 +256,7 @@ void speed_of_background(struct speeds *s) {
 }
 
 static void tiles_speed(struct gas *g, struct gas_speed *speed) {
-    struct speeds s = {.g = g, .found = -1};
+    struct speeds s = {.g = g};
     for (int t = 0; t < g->forest->ntiles; t++) {
         s.U = g->U.block[t];
         s.p = RANGE_EMPTY;
@@ -270,18 +268,20 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
     fronts_speed(g, speed);
 }
 
-static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    struct first_place first = {.order = HUGE_VAL};
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct speeds s = {.g = g, .U = g->U.block[t], .wanted = speed->rate, .found = -1};
-        activity_store_all(g, t, &g->U);
-        runs_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
-        if (s.found < 0) continue;
-        double here[3];
-        tiles_place(g, t, s.found, here);
-        first_place_offer(&first, here);
+/* Rates of diffusion are found with the 1/rho that is still kept. */
+static void tiles_rates(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate) {
+    const struct work *w = &g->tiles->work;
+    const size_t bytes = (size_t)row->n * sizeof *rate;
+    double diffusing[2][BATCH];
+    if (what != OF_FLOW) {
+        tiles_diffusion_rates_row(g, row->block, row->at, row->n, diffusing);
+        memcpy(rate, diffusing[what], bytes);
+        return;
     }
-    first_place_agree(g, &first, place);
+    primitives_of_row(g, s->block[row->block], row->at, row->n);
+    memset(rate, 0, bytes);
+    for (int k = 0; k < g->dim; k++)
+        rate_row(row->n, 1 / g->forest->width[k], w->velocity[k] + row->at, w->c + row->at, rate);
 }
 
 const struct engine engine_lattice = {
@@ -295,11 +295,10 @@ const struct engine engine_lattice = {
               .fill = tiles_fill,
               .place = tiles_place,
               .speed = tiles_speed,
-              .fastest_place = tiles_fastest_place,
+              .rates = tiles_rates,
               .shear_rate = tiles_shear_rate},
     .stage = {.fronts = tiles_fronts, .stage = tiles_stage, .last_stage = tiles_last_stage, .redo = tiles_redo},
     .diffusion = {.rates = tiles_diffusion_rates,
-                  .stiffest_place = tiles_stiffest_place,
                   .ghosts = tiles_diffusion_ghosts,
                   .begin = tiles_diffusion_begin,
                   .stage = tiles_diffusion_stage,
