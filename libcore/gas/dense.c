@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Implicit acoustics of dense cells: which cells, and when (docs/physics.md 9.2). Near packing sound limits dt to a
- * thousandth and less of what the flow would need. So dense cells and three rings of neighbours, the bed, take one
- * implicit step (libcore/acoustics/bed.h), all others the Runge-Kutta step, and both share the fluxes between them:
+ * thousandth and less of what the flow would need. So the bed, dense cells and those around them (enum bed_part), takes
+ * one implicit step (libcore/acoustics/bed.h), all others the Runge-Kutta step, and both share the fluxes between them:
  *
  *     half the sources | half the diffusion | stages of the others | half the diffusion | half the sources | the bed
  *

@@ -472,5 +472,7 @@ static inline void first_place_offer(struct first_place *p, const double here[3]
 }
 /* Sets `place` to the first over all ranks, HUGE_VAL if no rank found one. Collective. */
 void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]);
+/* Finds the first cell of s that has a rate. Collective. */
+void place_of_rate(struct gas *g, enum rate what, const struct state *s, double wanted, double place[3]);
 
 #endif

@@ -109,7 +109,7 @@ static bool beside_bed(const struct gas *g, int tile) {
     return false;
 }
 
-/* Dilates the dense part by three rings of neighbours. */
+/* Marks the frozen, live and outer cells around the dense ones (enum bed_part). */
 void tiles_bed_rings(struct gas *g) {
     struct forest *f = g->forest;
     bool *holds = g->dense->holds;

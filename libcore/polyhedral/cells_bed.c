@@ -79,7 +79,7 @@ static void fill_lines(struct gas *g, int n, double *const *line) {
     polyhedra_fill_finish(g->cells->polyhedra);
 }
 
-/* Dilates the dense part by three rings of neighbours. Mirrors belong to no part. */
+/* Marks the frozen, live and outer cells around the dense ones (enum bed_part). Mirrors belong to no part. */
 void cells_bed_rings(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *part = g->dense->part[0];
