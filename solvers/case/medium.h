@@ -71,6 +71,7 @@ struct medium_type {
     int axial;    /* the quantity that is a curl, which has three components whatever moves; 0: there is none */
     const int *written, *shown; /* quantities of a time folder, in this order, and of vtk files; -1 ends both */
     bool whole;                 /* does it read arrays of all cells and faces of the mesh (setup_complete)? */
+    bool starts;                /* does -np N go to a program that it starts? It then runs on one rank itself */
     bool slabs;                 /* are its cells dealt to the ranks by itself, and not as the grid's blocks are? */
     bool event_driven;          /* a step is no sweep over the cells: no Courant number, no steps per second */
 
@@ -150,6 +151,6 @@ struct medium { /* the first member of each medium's own struct */
     bool (*asked)(void); /* has this rank been asked to end the run? NULL: nobody asks */
 };
 
-extern const struct medium_type gas_medium, segregation_medium, grains_medium;
+extern const struct medium_type gas_medium, segregation_medium, grains_medium, dem_medium;
 
 #endif
