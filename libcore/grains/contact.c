@@ -7,12 +7,12 @@
 #define PI 3.14159265358979323846
 
 /* Returns E* of two grains of the same material. */
-static double stiff(const struct contact *c) {
+static double stiff(const struct soft_contact *c) {
     return c->young / (2 * (1 - c->poisson * c->poisson));
 }
 
 /* Returns 8 G*, the factor of Mindlin's stiffness, G* = E/(4 (2 - nu)(1 + nu)). */
-static double mindlin(const struct contact *c) {
+static double mindlin(const struct soft_contact *c) {
     return 2 * c->young / ((2 - c->poisson) * (1 + c->poisson));
 }
 
@@ -38,7 +38,7 @@ static double tsuji_coefficient(double e) {
     return 0.5 * (low + high);
 }
 
-static struct contact_law law_of(const struct contact *c, double radius, double mass, double e, double mu) {
+static struct contact_law law_of(const struct soft_contact *c, double radius, double mass, double e, double mu) {
     struct contact_law l = {.contact = c, .radius = radius, .mass = mass, .chi = c->chi, .friction = mu, .kt = c->kt};
     const double loss = e > 0 && e < 1 ? -log(e) : 0;
     if (c->type == CONTACT_LINEAR) {
@@ -54,10 +54,10 @@ static struct contact_law law_of(const struct contact *c, double radius, double 
     return l;
 }
 
-struct contact_law contact_pair(const struct contact *c, double diameter, double mass) {
+struct contact_law contact_pair(const struct soft_contact *c, double diameter, double mass) {
     return law_of(c, diameter / 4, mass / 2, c->restitution, c->friction);
 }
-struct contact_law contact_wall(const struct contact *c, double diameter, double mass, double e, double mu) {
+struct contact_law contact_wall(const struct soft_contact *c, double diameter, double mass, double e, double mu) {
     return law_of(c, diameter / 2, mass, e, mu);
 }
 
@@ -67,7 +67,7 @@ double contact_time(const struct contact_law *l, double speed) {
     return 2.87 * pow(l->mass * l->mass / (l->radius * E * E * speed), 0.2);
 }
 
-double contact_mindlin(const struct contact *c, double diameter, double mass, double speed) {
+double contact_mindlin(const struct soft_contact *c, double diameter, double mass, double speed) {
     const double R = diameter / 4, K = 4. / 3 * stiff(c) * sqrt(R);
     return mindlin(c) * sqrt(R * pow(1.25 * (mass / 2) * speed * speed / K, 0.4));
 }

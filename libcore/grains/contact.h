@@ -18,7 +18,7 @@
 
 enum contact_type { CONTACT_HERTZ, CONTACT_LINEAR };
 enum contact_tangent { TANGENT_SPRING, TANGENT_MINDLIN };
-struct contact {           /* of two grains; a wall may have its own restitution and friction */
+struct soft_contact {      /* of two grains; a wall may have its own restitution and friction */
     int type, tangent;     /* enum contact_type, contact_tangent */
     double young, poisson; /* Pa, - */
     double stiffness;      /* N/m: kn of linear */
@@ -29,7 +29,7 @@ struct contact {           /* of two grains; a wall may have its own restitution
     double chi;            /* tangential damper over that along the normal */
 };
 struct contact_law { /* numbers of one kind of contact */
-    const struct contact *contact;
+    const struct soft_contact *contact;
     double radius, mass;      /* R, m */
     double k, eta;            /* as above, in the units of LAMMPS's coefficients */
     double kt, chi, friction; /* as above */
@@ -38,13 +38,13 @@ struct contact_law { /* numbers of one kind of contact */
 enum { CONTACT_LEAST = 12 }; /* percent: hertz has no smaller restitution, as Tsuji's fit ends there */
 
 /* Returns the law of two grains or, with `wall`, of a grain and a wall of restitution e and friction mu. */
-struct contact_law contact_pair(const struct contact *c, double diameter, double mass);
-struct contact_law contact_wall(const struct contact *c, double diameter, double mass, double e, double mu);
+struct contact_law contact_pair(const struct soft_contact *c, double diameter, double mass);
+struct contact_law contact_wall(const struct soft_contact *c, double diameter, double mass, double e, double mu);
 
 /* Returns the duration of an impact (s): 2.87 (m^2/(R E*^2 v))^(1/5), or pi sqrt(m/kn). */
 double contact_time(const struct contact_law *l, double speed);
 /* Returns the tangential stiffness (N/m) of Mindlin at the largest overlap of an impact; it is that of kt's default. */
-double contact_mindlin(const struct contact *c, double diameter, double mass, double speed);
+double contact_mindlin(const struct soft_contact *c, double diameter, double mass, double speed);
 double contact_elastic(const struct contact_law *l, double overlap); /* J: of the normal spring */
 double contact_rest(const struct contact_law *l, double force);      /* m: the overlap at rest under a force */
 double contact_damper(const struct contact_law *l, double overlap);  /* kg/s: gamma */

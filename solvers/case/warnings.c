@@ -43,6 +43,7 @@ const char *const warning_names[WARNINGS] = {
     [WARN_LONG_CONTACT_STEP] = "longContactStep",
     [WARN_SOFT_GRAINS] = "softGrains",
     [WARN_SOFT_THRESHOLD] = "softThreshold",
+    [WARN_NO_LAMMPS] = "noLammps",
 };
 
 const char *const warning_meanings[WARNINGS] = {
@@ -79,6 +80,7 @@ const char *const warning_meanings[WARNINGS] = {
     [WARN_NOTHING_WRITTEN] = "no time is written before endTime, or a function object writes nothing behind the start",
     [WARN_LONG_CONTACT_STEP] = "the steps of soft grains are longer than a thirtieth of a contact",
     [WARN_SOFT_GRAINS] = "soft grains at rest overlap by more than a hundredth of their diameter",
+    [WARN_NO_LAMMPS] = "the program lmp, which granularDEM runs, is missing or lacks a package",
     [WARN_SOFT_THRESHOLD] = "thresholdSpeed is given, which soft grains do not have",
     [WARN_MANY_WRITES] = "more than 1e5 times are written, and purgeWrite keeps them all",
 };

@@ -42,6 +42,7 @@ enum warning {
     WARN_LONG_CONTACT_STEP,
     WARN_SOFT_GRAINS,
     WARN_SOFT_THRESHOLD,
+    WARN_NO_LAMMPS,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];

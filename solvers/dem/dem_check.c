@@ -5,15 +5,14 @@
 
 #include <math.h>
 
-static status check_program(void) {
+/* A case can be checked where there is no LAMMPS; a run fails when it starts it. */
+static status warn_program(struct setup *s) {
     struct lammps_abilities can;
-    TRY(lammps_ask(&can));
-    if (can.granular) return OK;
-    return fail(
-        ERR_SYSTEM,
-        "system/controlDict: application granularDEM needs LAMMPS with its package GRANULAR, which this lmp (%s) "
-        "lacks: on Debian, run  apt-get install lammps",
-        *can.version ? can.version : "no version");
+    status e = lammps_ask(&can);
+    if (!e) return OK;
+    const status said = warn(&s->warnings, WARN_NO_LAMMPS, "%s", status_text(e));
+    status_free(e);
+    return said;
 }
 
 static status check_mesh(const struct setup *s) {
@@ -59,7 +58,7 @@ static double fastest(const struct setup *s, const struct dem_run *r) {
 /* Chooses impactSpeed, which a restart takes from the state, the tangential spring and the longest step. */
 static status choose_step(const struct setup *s, struct dem_run *r) {
     struct grains_models *m = r->models;
-    struct contact *c = &m->contact;
+    struct soft_contact *c = &m->contact;
     double speed = m->speed > 0 ? m->speed : r->saved.nold ? r->saved.account.speed : fastest(s, r);
     if (!(speed > 0))
         return fail(ERR_INPUT,
@@ -122,7 +121,7 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     TRY(grains_start_read(s, m, saved, &r->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, r->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&r->start, s->mesh, m));
-    TRY(grains_start_check(s, &r->start));
+    TRY(grains_start_check(s, m, &r->start));
     TRY(check_forces(s, m));
     if (saved) TRY(dem_state_read(path, &r->saved));
     TRY(choose_step(s, r));
@@ -133,6 +132,6 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     r->law.walls = &r->walls;
     r->law.gravity = &m->forces.source;
     TRY(warn_of(s, r));
-    TRY(check_program());
+    TRY(warn_program(s));
     return setup_grid(s, false, 1);
 }

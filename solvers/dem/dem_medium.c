@@ -242,13 +242,17 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     if (!now->n) return OK;
     TRY(cloud_make(now->n, out));
     TRY(allocate(&out->id, now->n, sizeof(int), "numbers of grains"));
+    TRY(allocate(&out->spin, now->n, sizeof *out->spin, "spins of grains"));
     out->diameter = r->law.diameter;
     for (int i = 0; i < now->n; i++) {
         const long at = grains_box_cell(s->lattice, now->x[i]);
         out->cell[i] = s->lattice->cell[at] < 0 ? 0 : s->lattice->cell[at];
         out->id[i] = now->id[i] - 1;
         grains_box_place(s, now->x[i], out->x[i]);
-        for (int k = 0; k < 3; k++) out->u[i][s->axis[k]] = k < s->dim ? now->u[i][k] : 0;
+        for (int k = 0; k < 3; k++) {
+            out->u[i][s->axis[k]] = k < s->dim ? now->u[i][k] : 0;
+            out->spin[i][s->axis[k]] = now->spin[i][k];
+        }
     }
     return OK;
 }

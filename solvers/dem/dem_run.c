@@ -108,11 +108,13 @@ static status place(struct dem_run *r) {
         for (int k = 0; k < 3; k++) {
             r->moment.x[i][k] = k < w->dim ? p.x[i][k] : 0.5 * (w->low[k] + w->high[k]);
             r->moment.u[i][k] = k < w->dim ? p.u[i][k] : 0;
+            r->moment.spin[i][k] = p.spin ? p.spin[i][k] : 0;
         }
     r->from_cloud = p.from_cloud;
     r->packing = p.packing;
     free(p.x);
     free(p.u);
+    free(p.spin);
     return e ? e : check_overlaps(r);
 }
 
@@ -155,9 +157,11 @@ status dem_run_start(struct dem_run *r) {
 
 static status launch(struct dem_run *r) {
     const struct setup *s = r->setup;
+    struct lammps_abilities can;
     char folder[TIME_PATH + 16], restart[2 * TIME_PATH];
     snprintf(folder, sizeof folder, "%s/dem", s->dir);
     snprintf(restart, sizeof restart, "%s/%s/uniform/lammps", s->dir, s->start.folder);
+    TRY(lammps_ask(&can));
     TRY(case_make_folders(s, folder));
     const bool goes_on = !r->changed && field_exists(restart);
     return dem_engine_make(&r->law, s->ranks, folder, &r->moment, goes_on ? restart : NULL, &r->engine);

@@ -2,17 +2,20 @@
 /* Writes and reads the state of a run of soft grains (dem_state.h). */
 #include "solvers/dem/dem_state.h"
 
+#include "solvers/grains/bytes.h"
+
 #include <string.h>
 
 enum { VERSION = 1 };
-struct head { /* sizes that tell how long the rest is */
+struct soft_head { /* sizes that tell how long the rest is */
     char name[8];
     uint64_t order; /* order of bytes */
     int32_t version, n, nold, mark;
     int64_t nsums;
 };
-static struct head head_of(const struct dem_state *s) {
-    return (struct head){"soft", 0x0102030405060708, VERSION, s->n, s->nold, sizeof(struct averages_mark), s->nsums};
+static struct soft_head head_of(const struct dem_state *s) {
+    return (struct soft_head){"soft",  0x0102030405060708,           VERSION, s->n,
+                              s->nold, sizeof(struct averages_mark), s->nsums};
 }
 
 void dem_state_law(const struct dem_law *law, double out[DEM_LAW]) {
@@ -45,7 +48,7 @@ void dem_state_law(const struct dem_law *law, double out[DEM_LAW]) {
 status dem_state_write(const struct dem_state *s, const char *path, const char *location, bool compress,
                        struct file_sum *sum) {
     const struct foam_format binary = {.binary = true, .precision = 17};
-    const struct head head = head_of(s);
+    const struct soft_head head = head_of(s);
     struct sink *o;
     TRY(sink_open(path, compress, &o));
     foam_header_write(o, &binary, "grains", location, "softGrains", "the state of granularDEM, for restarts");
@@ -62,18 +65,6 @@ status dem_state_write(const struct dem_state *s, const char *path, const char *
     return sink_close_sum(o, sum);
 }
 
-struct bytes {
-    const char *at;
-    size_t left;
-};
-static bool take(struct bytes *b, void *out, size_t bytes) {
-    if (bytes > b->left) return false;
-    memcpy(out, b->at, bytes);
-    b->at += bytes;
-    b->left -= bytes;
-    return true;
-}
-
 static status allocate_lists(struct dem_state *s) {
     TRY(pool_take(&s->pool, &s->id, s->n, sizeof *s->id, "grains"));
     for (int k = 0; k < 3; k++) TRY(pool_take(&s->pool, &s->list[k], 3L * s->n, sizeof(double), "grains"));
@@ -82,9 +73,9 @@ static status allocate_lists(struct dem_state *s) {
 }
 
 static bool take_lists(struct bytes *b, struct dem_state *s) {
-    bool ok = take(b, s->id, (size_t)s->n * sizeof *s->id);
-    for (int k = 0; k < 3; k++) ok = ok && take(b, s->list[k], 3 * (size_t)s->n * sizeof(double));
-    for (int k = 0; k < 2; k++) ok = ok && take(b, s->sums[k], (size_t)s->nsums * sizeof(double));
+    bool ok = bytes_take(b, s->id, (size_t)s->n * sizeof *s->id);
+    for (int k = 0; k < 3; k++) ok = ok && bytes_take(b, s->list[k], 3 * (size_t)s->n * sizeof(double));
+    for (int k = 0; k < 2; k++) ok = ok && bytes_take(b, s->sums[k], (size_t)s->nsums * sizeof(double));
     for (int i = 0; ok && i < s->n; i++) ok = s->id[i] > (i ? s->id[i - 1] : 0) && s->id[i] <= s->nold;
     return ok && b->left == 2 && !memcmp(b->at, ")\n", 2);
 }
@@ -93,8 +84,8 @@ static status parse(const struct source *source, struct lexer *l, struct dem_sta
     static const char cure[] = "start from another time, or remove it to start from lagrangian/grains or the fields";
     TRY(lexer_expect(l, '('));
     struct bytes b = {source->text + l->position, source->size - l->position};
-    struct head head, here;
-    if (!take(&b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
+    struct soft_head head, here;
+    if (!bytes_take(&b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     s->n = head.n;
     s->nold = head.nold;
     s->nsums = head.nsums;
@@ -104,8 +95,8 @@ static status parse(const struct source *source, struct lexer *l, struct dem_sta
                     cure);
     const double bytes = 76. * head.n + 16. * (double)head.nsums;
     if (head.n < 0 || head.nold < head.n || head.nsums < 0 || bytes > (double)b.left ||
-        !take(&b, &s->account, sizeof s->account) || !take(&b, s->law, sizeof s->law) ||
-        !take(&b, &s->mark, sizeof s->mark) || !take(&b, s->grid, sizeof s->grid))
+        !bytes_take(&b, &s->account, sizeof s->account) || !bytes_take(&b, s->law, sizeof s->law) ||
+        !bytes_take(&b, &s->mark, sizeof s->mark) || !bytes_take(&b, s->grid, sizeof s->grid))
         return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     TRY(allocate_lists(s));
     if (!take_lists(&b, s) || s->mark.samples < 1 || s->mark.taken < 0 || s->mark.taken > s->mark.samples)

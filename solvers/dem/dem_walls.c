@@ -9,21 +9,26 @@
 #include <string.h>
 
 enum { MOST_PLANES = 200 };
-struct plane {
+struct wall_plane {
     int patch;
     double normal[3], offset, restitution, friction;
 };
 struct work { /* lists of the faces of walls */
     int n, planes;
     int *face, *of; /* [n] face of the mesh, its plane */
-    struct plane plane[MOST_PLANES];
+    struct wall_plane plane[MOST_PLANES];
     int *parent; /* [points] of the connected pieces of a plane */
     bool *seen;  /* [points] is it the root of a piece that was added? */
     double size; /* m: the longest side of the mesh */
 };
 
+/* Returns the physical axis of a computational one; behind the solved ones stands the one that is left. */
+static int axis_of(const struct setup *s, int k) {
+    return k < s->dim ? s->axis[k] : 3 - s->axis[0] - s->axis[1];
+}
+
 static void point(const struct setup *s, int i, double x[3]) {
-    for (int k = 0; k < 3; k++) x[k] = s->mesh->points[3L * i + s->axis[k]];
+    for (int k = 0; k < 3; k++) x[k] = s->mesh->points[3L * i + axis_of(s, k)];
 }
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -45,17 +50,18 @@ static void measure(const struct setup *s, struct dem_walls *w) {
 }
 
 /* The wall's own number, or that of two grains; a wall on which U slips is smooth. */
-static struct plane plane_of(const struct grains_models *m, const struct boundary_type *type, int patch) {
+static struct wall_plane plane_of(const struct grains_models *m, const struct boundary_type *type, int patch) {
     const double rest = boundary_is_smooth(type) ? 0 : m->contact.friction;
-    return (struct plane){.patch = patch,
-                          .restitution = m->restitution[patch] < 0 ? m->contact.restitution : m->restitution[patch],
-                          .friction = m->friction[patch] < 0 ? rest : m->friction[patch]};
+    return (struct wall_plane){.patch = patch,
+                               .restitution =
+                                   m->restitution[patch] < 0 ? m->contact.restitution : m->restitution[patch],
+                               .friction = m->friction[patch] < 0 ? rest : m->friction[patch]};
 }
 
-static status find_plane(const struct setup *s, struct work *k, const struct plane *made, int *out) {
+static status find_plane(const struct setup *s, struct work *k, const struct wall_plane *made, int *out) {
     const double near = 1e-7 * k->size;
     for (*out = 0; *out < k->planes; ++*out) {
-        const struct plane *p = &k->plane[*out];
+        const struct wall_plane *p = &k->plane[*out];
         if (dot(p->normal, made->normal) > 1 - 1e-9 && fabs(p->offset - made->offset) < near &&
             p->restitution == made->restitution && p->friction == made->friction)
             return OK;
@@ -69,7 +75,7 @@ static status find_plane(const struct setup *s, struct work *k, const struct pla
     return OK;
 }
 
-static status add_patch(const struct setup *s, struct plane of, struct work *k) {
+static status add_patch(const struct setup *s, struct wall_plane of, struct work *k) {
     const struct patch *patch = &s->mesh->patch[of.patch];
     for (int i = 0; i < patch->nfaces; i++) {
         double centre[3], area[3];
@@ -77,7 +83,7 @@ static status add_patch(const struct setup *s, struct plane of, struct work *k) 
         polymesh_one_face(s->mesh, face, centre, area);
         const double size = sqrt(dot(area, area));
         of.offset = dot(centre, area) / size;
-        for (int a = 0; a < 3; a++) of.normal[a] = area[s->axis[a]] / size;
+        for (int a = 0; a < 3; a++) of.normal[a] = area[axis_of(s, a)] / size;
         TRY(find_plane(s, k, &of, &k->of[k->n]));
         k->face[k->n++] = face;
     }
@@ -197,7 +203,7 @@ static void find_side(const struct dem_walls *w, double size, struct dem_wall *w
 
 static status add_piece(const struct setup *s, const struct grains_models *m, const struct work *k, int plane,
                         int piece, struct dem_walls *w) {
-    const struct plane *p = &k->plane[plane];
+    const struct wall_plane *p = &k->plane[plane];
     const char *name = s->mesh->patch[p->patch].name;
     double e[2][3];
     struct extent x;

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts LAMMPS, sends it commands and reads its answers (lammps.h). */
+#define _GNU_SOURCE /* environ */
 #include "solvers/dem/lammps.h"
 
 #include "mesh/base/build.h"
 
+#include <errno.h>
 #include <math.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,18 +36,28 @@ static status missing(void) {
         "Debian, run  apt-get install lammps");
 }
 
-/* Runs a program with its standard input and output in the child's pipes; never returns. */
-static void become(char *const command[], const int in[2], const int out[2]) {
-    setpgid(0, 0); /* Ctrl-C is for haff, which ends it in order */
-    signal(SIGPIPE, SIG_DFL);
-    dup2(in[0], STDIN_FILENO);
-    dup2(out[1], STDOUT_FILENO);
+/* Starts a program with the ends in[0] and out[1] of two pipes as its standard input and output. Returns an errno. */
+static int spawn(char *const command[], const int in[2], const int out[2], pid_t *pid) {
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t how;
+    sigset_t usual;
+    sigemptyset(&usual);
+    sigaddset(&usual, SIGPIPE);
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, in[0], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&files, out[1], STDOUT_FILENO);
     for (int k = 0; k < 2; k++) {
-        close(in[k]);
-        close(out[k]);
+        posix_spawn_file_actions_addclose(&files, in[k]);
+        posix_spawn_file_actions_addclose(&files, out[k]);
     }
-    execvp(command[0], command);
-    _exit(127);
+    posix_spawnattr_init(&how);
+    posix_spawnattr_setsigdefault(&how, &usual);
+    /* a group of its own: Ctrl-C is for haff, which ends the child in order */
+    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    const int why = posix_spawnp(pid, command[0], &files, &how, command, environ);
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&how);
+    return why;
 }
 
 static status launch(char *const command[], struct lammps *l) {
@@ -55,14 +68,14 @@ static status launch(char *const command[], struct lammps *l) {
         close(in[1]);
         return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
     }
-    fflush(NULL);
-    l->pid = fork();
-    if (l->pid == 0) become(command, in, out);
+    const int why = spawn(command, in, out, &l->pid);
+    if (why) l->pid = 0;
     close(in[0]);
     close(out[1]);
     l->to = fdopen(in[1], "w");
     l->from = fdopen(out[0], "r");
-    if (l->pid < 0 || !l->to || !l->from) return fail(ERR_SYSTEM, "%s: it cannot be started", command[0]);
+    if (why == ENOENT && !strcmp(command[0], "lmp")) return missing();
+    if (why || !l->to || !l->from) return fail(ERR_SYSTEM, "%s: it cannot be started: %s", command[0], strerror(why));
     return OK;
 }
 
@@ -104,7 +117,7 @@ status lammps_ask(struct lammps_abilities *out) {
     static const char title[] = "Simulator - ";
     struct lammps *l;
     bool pair = false, wall = false, region = false;
-    *out = (struct lammps_abilities){.granular = false};
+    *out = (struct lammps_abilities){.version = ""};
     TRY(allocate(&l, 1, sizeof *l, "LAMMPS"));
     status e = launch(command, l);
     while (!e && read_line(l)) {
@@ -114,11 +127,15 @@ status lammps_ask(struct lammps_abilities *out) {
         wall |= lists(l->line, "wall/gran");
         region |= lists(l->line, "wall/gran/region");
     }
-    out->granular = pair && wall && region;
-    const int code = end(l);
+    (void)end(l);
     lammps_free(l);
     TRY(e);
-    return code == 127 ? missing() : OK;
+    if (pair && wall && region) return OK;
+    return fail(
+        ERR_SYSTEM,
+        "system/controlDict: application granularDEM needs LAMMPS with its package GRANULAR, which this lmp (%s) "
+        "lacks: on Debian, run  apt-get install lammps",
+        *out->version ? out->version : "of no version");
 }
 
 status lammps_start(int ranks, struct lammps **out) {

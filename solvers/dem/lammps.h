@@ -13,9 +13,9 @@
 struct lammps;
 struct lammps_abilities {
     char version[64]; /* "29 Sep 2021 - Update 2" */
-    bool granular;    /* pair_style granular, fix wall/gran and wall/gran/region: its package GRANULAR */
 };
-/* Asks the program what it can. Fails with ERR_SYSTEM if it is missing; the error names the package. */
+/* Asks the program what it can. Fails with ERR_SYSTEM if it is missing, or lacks pair_style granular, fix wall/gran and
+ * wall/gran/region, its package GRANULAR; the error names Debian's package. */
 status lammps_ask(struct lammps_abilities *out);
 
 /* Starts it, on several ranks by mpirun. */

@@ -138,7 +138,7 @@ static status medium_state(struct setup *s) {
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
-    TRY(grains_start_check(s, &x->start));
+    TRY(grains_start_check(s, x->models, &x->start));
     TRY(check_scales(s, x));
     if (saved) TRY(grains_state_read(path, &x->saved));
     x->law = law_of(x->models);
@@ -201,7 +201,8 @@ static status place(struct grains_run *x) {
     }
     free(p->x);
     free(p->u);
-    p->x = p->u = NULL;
+    free(p->spin);
+    p->x = p->u = p->spin = NULL;
     TRY(e);
     x->energy = energy_now(x);
     return OK;

@@ -23,7 +23,7 @@ struct grains_models {
     int *restitution_line; /* [npatches] in constant/particleProperties; 0: not given */
     bool soft;             /* are the grains soft? Then the rest counts; restitution < 0: that of two grains */
     double *friction;      /* [npatches]; < 0: that of two grains, or 0 where U slips */
-    struct contact contact;
+    struct soft_contact contact;
     double speed, fraction; /* m/s, -: impactSpeed (0: it is estimated), timeStepFraction */
 };
 /* Reads the models of hard or soft grains; the write interval of `control` is the default of the window. */
