@@ -239,6 +239,7 @@ BESIDES = {
     ("constant/segregationProperties", "diffusivity", ""): "value 1e-6;",
 }
 ALSO = {("0.orig/phi", "fixedValue"): {"0.orig/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
+SPHERES = "equationOfState TorquatoSpheres;\n"  # the examples have disks
 # Dictionaries that are put in place of those of the example, whose entries are of another type.
 ANEW = ("percolation", "diffusivity")
 # Of whole entries: words that a program knows and that no case of docs/examples can have. It refuses them with the reason; two closures
@@ -319,7 +320,7 @@ class Programs(unittest.TestCase):
         try:
             for file, text in changes.items():
                 with open(os.path.join(case, file), "a", encoding="utf-8") as out:
-                    out.write(text)
+                    out.write(text + (SPHERES if "cooling BerziVescovi;" in text else ""))
             if lid:
                 boundary = os.path.join(case, "constant", "polyMesh", "boundary")
                 with open(boundary, encoding="utf-8") as old:
