@@ -76,6 +76,7 @@ static status read_granular(struct dict *d, struct grains_models *m) {
     TRY(dict_sub(d, "grain", &sub));
     TRY(params_read(sub, grain_param, grain_nparam, &m->grain));
     if (!(m->grain.diameter > 0)) return dict_fail(sub, "diameter", "hard grains need one greater than 0");
+    if (m->grain.friction > 0) return dict_fail(sub, "friction", "hard grains do not rub: say  friction 0;");
     TRY(refuse_sources(d));
     TRY(models_leave(d));
     return dict_check_used(d);

@@ -242,6 +242,7 @@ BESIDES = {
 RUBBING = {"constant/granularProperties": "friction { type muI; }\n"}  # muWall needs it
 ALSO = {**{("0.orig/alpha", wall): RUBBING for wall in ("frictionalSlip", "granularWall", "JohnsonJacksonSlip")},
         ("0.orig/phi", "fixedValue"): {"0.orig/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
+SPHERES = "equationOfState TorquatoSpheres;\n"  # the examples have disks
 # Dictionaries that are put in place of those of the example, whose entries are of another type.
 ANEW = ("percolation", "diffusivity", "contact")
 PLAIN = ("gas", "grains", "softGrains")  # examples that have a plain form
@@ -324,7 +325,7 @@ class Programs(unittest.TestCase):
         try:
             for file, text in changes.items():
                 with open(os.path.join(case, file), "a", encoding="utf-8") as out:
-                    out.write(text)
+                    out.write(text + (SPHERES if "cooling BerziVescovi;" in text else ""))
             if lid:
                 boundary = os.path.join(case, "constant", "polyMesh", "boundary")
                 with open(boundary, encoding="utf-8") as old:
