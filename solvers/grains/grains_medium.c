@@ -168,7 +168,7 @@ static status resume(struct grains_run *x) {
     const struct grains_state *s = &x->saved;
     struct grains *old = NULL;
     double(*at)[3] = NULL, (*u)[3] = NULL;
-    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts};
+    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, NULL};
     TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
                     x->base.setup->start.name));
     x->changed = !grains_state_same(s, &x->box, &x->law);
