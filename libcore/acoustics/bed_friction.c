@@ -32,7 +32,7 @@ static const double ALONE = 1e-9;
 /* The cohesion of the surface ends so many cells below it. */
 static const double DEPTH = 2;
 /* Cells denser than this part of packing have it. In thinner gas it would be stiff. */
-static const double HALF = 0.5;
+static const double HALF = 0.1;
 enum { TENSOR = 6, LINES = 3 };
 
 struct bed_friction {
