@@ -24,7 +24,7 @@ static void open_walls(struct box *x, unsigned *seed) {
     static const enum bed_kind kind[] = {BED_WALL, BED_OPEN, BED_OPEN, BED_KEPT};
     struct bed_set *b = &x->bed.set;
     const int dim = x->bed.dim;
-    b->balanced = x->triangles;
+    b->balanced = x->form.triangles;
     for (int f = 0; f < b->faces; f++) {
         const int inside = b->left[f] < 0 ? b->right[f] : b->left[f];
         for (int side = 0; side < 2; side++) b->balance[side][f] = 1e-4 * (chance(seed) - 0.5);

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Friction in the step of a bed (libcore/acoustics/bed_friction.c): what gas that turns, is sheared, rests or slides
+ * must do by the equations of docs/physics.md 9.3. */
+#include "tests/libcore/acoustics/box_bed.h"
+
+static struct comm *comm;
+static const double PACKED = 0.61, THIN = 1e-4, PRESSURE = 5;
+
+static struct friction_use law(const char *name, double mu) {
+    return (struct friction_use){friction_find(name),
+                                 {.mu_static = mu,
+                                  .mu_dynamic = 1.5 * mu,
+                                  .I0 = 0.279,
+                                  .alpha_friction = 0.50,
+                                  .alpha_solid = 0.576,
+                                  .modulus = 300},
+                                 .grain = sqrt(6 / acos(-1))};
+}
+
+/* A bed with friction whose gas has no stress yet, and whose walls are smooth and at rest. */
+static void make(struct box *x, const struct box_form *form) {
+    box_make_of(x, comm, "TorquatoSpheres", 1, form);
+    struct bed_set *b = &x->bed.set;
+    memset(b->pressure, 0, (size_t)b->cells * sizeof(double));
+    memset(b->wall_friction, 0, (size_t)b->faces * sizeof(double));
+    for (int i = 0; i < bed_tensors(x->bed.components); i++) memset(b->stress[i], 0, (size_t)b->faces * sizeof(double));
+    for (int k = 0; k < x->bed.components; k++) memset(b->wall_speed[k], 0, (size_t)b->faces * sizeof(double));
+}
+
+/* Friction alone: whether the rest of the step succeeds does not matter. */
+static void rub(struct box *x, double dt) {
+    const double weightless[MAX_DIM] = {0};
+    bool done;
+    ok(bed_step(&x->bed, dt, weightless, &done));
+}
+
+/* Returns the modulus G that bed_rub takes where gas is packed. */
+static double modulus_of(const struct box *x) {
+    return x->bed.friction.params.modulus * PRESSURE;
+}
+
+/* Sets a cell to move with the velocity gradient G[axis][component] about a point. */
+static void set_linear(struct box *x, int i, double alpha, double G[3][3], const double about[3]) {
+    double u[3] = {0};
+    for (int k = 0; k < x->bed.dim; k++)
+        for (int m = 0; m < x->bed.components; m++) u[m] += G[k][m] * (x->centre[i][k] - about[k]);
+    set_moving(x, i, alpha, 1, u);
+    x->bed.set.pressure[i] = PRESSURE; /* everywhere the same: nothing else pushes */
+}
+
+static double distance(const struct box *x, int i, const double about[3]) {
+    double square = 0;
+    for (int k = 0; k < x->bed.dim; k++) square += (x->centre[i][k] - about[k]) * (x->centre[i][k] - about[k]);
+    return sqrt(square);
+}
+
+/* Returns false for a packed cell whose packed neighbours lie on a line or in a plane: nothing tells the derivatives
+ * across that. */
+static bool spanned(const struct box *x, const double *rho, int i) {
+    const struct bed *b = &x->bed;
+    double A[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int k = 0; k < b->dim; k++) A[k][k] = 0;
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const int other = bed_across(b, &s);
+        if (other < 0 || rho[other] * packing_per_density(&x->material) < 0.5) continue;
+        for (int k = 0; k < b->dim; k++)
+            for (int l = 0; l < b->dim; l++)
+                A[k][l] += (x->centre[other][k] - x->centre[i][k]) * (x->centre[other][l] - x->centre[i][l]);
+    }
+    return rho[i] * packing_per_density(&x->material) < 0.5 ||
+           A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1]) - A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0]) +
+                   A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0]) >
+               1e-6;
+}
+
+/* Sets a disc or ball of packed gas that turns in thin gas. Cells whose packed neighbours lie on a line are thin, too.
+ */
+static void set_turning(struct box *x, double radius, double G[3][3], const double about[3]) {
+    for (int i = 0; i < x->bed.set.cells; i++)
+        set_linear(x, i, distance(x, i, about) < radius ? PACKED : THIN, G, about);
+    for (int i = 0; i < x->bed.set.cells; i++)
+        if (!spanned(x, x->bed.set.U[0], i)) {
+            set_linear(x, i, THIN, G, about);
+            i = -1; /* its neighbours have one less */
+        }
+}
+
+/* Gas that turns as a solid has no strain, so no friction, also at its surface. */
+static void test_rigid_rotation_feels_no_friction(void **state) {
+    (void)state;
+    static const struct box_form form[] = {{.n = {12, 12, 1}, .width = 1},
+                                           {.n = {12, 12, 1}, .width = 1, .triangles = true},
+                                           {.n = {11, 11, 11}, .width = 1}};
+    for (int k = 0; k < 3; k++) {
+        struct box x;
+        struct box_form f = form[k];
+        const double about[3] = {6.1, 5.9, 5.7}, w[3] = {k == 2 ? 0.02 : 0, k == 2 ? -0.01 : 0, 0.03}, dt = 0.05;
+        double G[3][3] = {{0, w[2], -w[1]}, {-w[2], 0, w[0]}, {w[1], -w[0], 0}}, speed = 0;
+        f.friction = law("muI", 0.38);
+        make(&x, &f);
+        set_turning(&x, 4.2, G, about);
+        rub(&x, dt);
+        for (int i = 0; i < x.bed.set.cells; i++)
+            for (int m = 0; m < x.bed.dim; m++) speed = larger(speed, fabs(x.bed.lines->rubbed[m][i]));
+        assert_true(speed < 1e-15);
+        for (int t = 0; t < bed_tensors(x.bed.components); t++)
+            for (int e = 0; e < x.bed.set.faces; e++)
+                assert_true(fabs(x.bed.set.stress[t][e]) < 1e-12 * modulus_of(&x) * dt * 0.04);
+        box_free(&x);
+    }
+}
+
+/* Checks that faces with friction have the stress 2 G dt D' of a velocity gradient, less where a cell is thin. */
+static void assert_strain(const struct box *x, double dt, double G[3][3]) {
+    const struct bed_set *b = &x->bed.set;
+    const int C = x->bed.components;
+    double trace = 0, size = 0;
+    int rubbed = 0;
+    for (int k = 0; k < x->bed.dim; k++) trace += G[k][k];
+    for (int i = 0; i < C; i++)
+        for (int j = 0; j < C; j++) size = larger(size, fabs(G[i][j]));
+    for (int f = 0; f < b->faces; f++) {
+        if (b->kind[f] != BED_INNER) continue;
+        const double *rho = x->bed.lines->rho, l = rho[b->left[f]], r = rho[b->right[f]];
+        const double stiff = 2 * modulus_of(x) * dt * smaller(l, r) / x->bed.limit;
+        if (larger(l, r) < 0.5 * x->bed.limit || !spanned(x, rho, b->left[f]) || !spanned(x, rho, b->right[f]))
+            continue;
+        rubbed++;
+        for (int i = 0, t = 0; i < C; i++)
+            for (int j = i; j < C; j++, t++) {
+                const double D = 0.5 * (G[i][j] + G[j][i]) - (i == j ? trace / (x->material.disks ? 2 : 3) : 0);
+                assert_true(fabs(b->stress[t][f] / stiff - D) < 1e-11 * size);
+            }
+    }
+    assert_true(rubbed > 3);
+}
+
+/* D' of linear velocities is exact, also in cells at a surface. dt is so short that friction does not change it. */
+static void test_strain_of_linear_velocities_is_exact(void **state) {
+    (void)state;
+    static const struct box_form form[] = {
+        {.n = {12, 1, 1}, .width = 1},
+        {.n = {12, 1, 1}, .width = 1, .components = 2},
+        {.n = {12, 1, 1}, .width = 1, .components = 3},
+        {.n = {9, 8, 1}, .width = 1},
+        {.n = {9, 8, 1}, .width = 1, .components = 3},
+        {.n = {9, 8, 1}, .width = 1, .triangles = true},
+        {.n = {9, 8, 1}, .width = 1, .triangles = true, .components = 3},
+        {.n = {8, 8, 8}, .width = 1},
+    };
+    unsigned seed = 3;
+    for (int k = 0; k < (int)(sizeof form / sizeof *form); k++) {
+        struct box x;
+        struct box_form f = form[k];
+        const double about[3] = {4.2, 3.8, 4.1}, dt = 1e-9;
+        double G[3][3] = {{0}};
+        f.friction = law("Coulomb", 0.38);
+        make(&x, &f);
+        for (int i = 0; i < x.bed.dim; i++)
+            for (int j = 0; j < x.bed.components; j++) G[i][j] = 0.1 * (chance(&seed) - 0.5);
+        for (int i = 0; i < x.bed.set.cells; i++)
+            set_linear(&x, i, distance(&x, i, about) < 3.3 ? 0.58 + 0.04 * chance(&seed) : THIN, G, about);
+        rub(&x, dt);
+        assert_strain(&x, dt, G);
+        box_free(&x);
+    }
+}
+
+/* A rough wall that moves with the gas along it, as linear shear does: its stress is G du/dy. */
+static void test_strain_at_rough_walls_is_exact(void **state) {
+    (void)state;
+    for (int triangles = 0; triangles < 2; triangles++) {
+        struct box x;
+        const double dt = 1e-9, about[3] = {0}, y = 0.03, height = 5;
+        double G[3][3] = {{0}, {y, 0, 0.5 * y}};
+        make(&x, &(struct box_form){.n = {4, 5, 1},
+                                    .width = 1,
+                                    .components = 3,
+                                    .periodic = {true},
+                                    .triangles = triangles,
+                                    .friction = law("Coulomb", 0.38)});
+        for (int i = 0; i < x.bed.set.cells; i++) set_linear(&x, i, PACKED, G, about);
+        for (int f = 0; f < x.bed.set.faces; f++) {
+            const bool top = x.bed.set.left[f] >= 0;
+            const double normal = x.shapes.normal[1][x.bed.set.shape[f]], up = top ? normal : -normal;
+            if (x.bed.set.kind[f] != BED_WALL) continue;
+            x.bed.set.wall_friction[f] = HUGE_VAL;
+            x.bed.set.wall_speed[0][f] = up > 0 ? y * height : 0;
+            x.bed.set.wall_speed[2][f] = up > 0 ? 0.5 * y * height : 0;
+        }
+        rub(&x, dt);
+        assert_strain(&x, dt, G);
+        const double shear = modulus_of(&x) * dt * PACKED / packing_per_density(&x.material) / x.bed.limit * y;
+        for (int f = 0; f < x.bed.set.faces; f++) {
+            if (x.bed.set.kind[f] != BED_WALL) continue;
+            const double normal = x.shapes.normal[1][x.bed.set.shape[f]];
+            assert_true(fabs(x.bed.set.stress[1][f] - shear) < 1e-11 * shear);
+            assert_true(fabs(x.bed.lines->traction[0][f] - normal * shear) < 1e-11 * shear);
+            assert_true(fabs(x.bed.lines->traction[2][f] - normal * 0.5 * shear) < 1e-11 * shear);
+        }
+        box_free(&x);
+    }
+}
+
+static int start(void **state) {
+    int argc = 0;
+    char **argv = NULL;
+    (void)state;
+    ok(comm_start(&argc, &argv, &comm));
+    return 0;
+}
+static int finish(void **state) {
+    (void)state;
+    comm_finish(comm);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rigid_rotation_feels_no_friction),
+        cmocka_unit_test(test_strain_of_linear_velocities_is_exact),
+        cmocka_unit_test(test_strain_at_rough_walls_is_exact),
+    };
+    return cmocka_run_group_tests(tests, start, finish);
+}
