@@ -344,6 +344,69 @@ static void test_a_layer_slides_on_a_smooth_floor(void **state) {
     box_free(&x);
 }
 
+/* Sets a bed of many like layers to the same random state as one of the first `cells` alone, which moves along some
+ * axes. */
+static void set_layers(struct box *x, int cells, int axes, unsigned seed) {
+    for (int i = 0; i < x->bed.set.cells; i++) {
+        unsigned own = seed + 77 * (unsigned)(i % cells);
+        double u[3];
+        chance(&own);
+        for (int k = 0; k < 3; k++) u[k] = (k < axes ? 0.1 : 0) * (chance(&own) - 0.5);
+        set_moving(x, i, 0.52 + 0.1 * chance(&own), 1e-4, u);
+        x->bed.set.pressure[i] = 0.01 * (1 + chance(&own));
+    }
+    for (int f = 0; f < x->bed.set.faces; f++) {
+        if (x->bed.set.kind[f] != BED_WALL) continue;
+        x->bed.set.wall_friction[f] = x->bed.set.left[f] < 0 ? HUGE_VAL : 0.2;
+        for (int k = 0; k < x->bed.components; k++) x->bed.set.wall_speed[k][f] = k < axes ? 0.01 * k : 0;
+    }
+}
+
+/* Axes along which all is alike may be missing from the mesh: a line with two or three components, and a plane with
+ * three, have the numbers of the full mesh; a plane flow in space those of the plane. dt is so short that each takes
+ * two stages. */
+static void test_missing_axes(void **state) {
+    (void)state;
+    static const struct {
+        int n[3], components, full[3];
+    } pair[] = {{{12, 1, 1}, 1, {12, 3, 1}},
+                {{6, 5, 1}, 2, {6, 5, 2}},
+                {{12, 1, 1}, 2, {12, 3, 1}},
+                {{12, 1, 1}, 3, {12, 2, 2}},
+                {{6, 5, 1}, 3, {6, 5, 2}}};
+    const double g[MAX_DIM] = {-0.5, 0.3, 0.2}, dt = 0.15;
+    for (int k = 0; k < (int)(sizeof pair / sizeof *pair); k++) {
+        struct box small, full;
+        double most = 0, gravity[MAX_DIM] = {0};
+        const int axes = pair[k].components;
+        struct box_form f = {.width = 1, .components = axes, .friction = law("muI", 0.38)};
+        memcpy(f.n, pair[k].n, sizeof f.n);
+        make(&small, &f);
+        for (int a = 0; a < 3; a++) f.periodic[a] = pair[k].n[a] == 1;
+        memcpy(f.n, pair[k].full, sizeof f.n);
+        memcpy(gravity, g, (size_t)axes * sizeof *g);
+        f.components = f.n[2] > 1 || axes > 2 ? 3 : 2;
+        make(&full, &f);
+        const int cells = small.bed.set.cells;
+        for (int n = 0; n < 3; n++) { /* the stress is kept */
+            set_layers(&small, cells, axes, 5 + n);
+            set_layers(&full, cells, axes, 5 + n);
+            bool done;
+            ok(bed_step(&small.bed, dt, gravity, &done));
+            ok(bed_step(&full.bed, dt, gravity, &done));
+            for (int i = 0; i < full.bed.set.cells; i++)
+                for (int m = 0; m < f.components; m++) {
+                    const double u = m < axes ? small.bed.lines->rubbed[m][i % cells] : 0;
+                    most = larger(most, fabs(u));
+                    assert_true(fabs(full.bed.lines->rubbed[m][i] - u) < 1e-15);
+                }
+        }
+        assert_true(most > 1e-3);
+        box_free(&small);
+        box_free(&full);
+    }
+}
+
 static int start(void **state) {
     int argc = 0;
     char **argv = NULL;
@@ -363,6 +426,7 @@ int main(void) {
         cmocka_unit_test(test_strain_of_linear_velocities_is_exact),
         cmocka_unit_test(test_strain_at_rough_walls_is_exact),
         cmocka_unit_test(test_momentum_and_energy),
+        cmocka_unit_test(test_missing_axes),
         cmocka_unit_test(test_a_layer_rests_below_the_angle),
         cmocka_unit_test(test_a_layer_slides_on_a_smooth_floor),
     };
