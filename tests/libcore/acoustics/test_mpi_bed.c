@@ -202,10 +202,11 @@ static void assert_shared(const struct bed *b, const struct bed_set *whole) {
     assert_int_equal(cells, whole->cells);
 }
 
+/* Friction acts in the upper rows alone. */
 static void fill(struct box *x, unsigned *seed) {
     for (int i = 0; i < x->bed.set.cells; i++)
-        set(x, i, 0.58 + 0.05 * chance(seed), 1e-3 * (1 + chance(seed)), 0.02 * (chance(seed) - 0.5),
-            0.02 * (chance(seed) - 0.5));
+        set(x, i, 0.56 + 0.07 * chance(seed) * i / x->bed.set.cells, 1e-3 * (1 + chance(seed)),
+            0.02 * (chance(seed) - 0.5), 0.02 * (chance(seed) - 0.5));
 }
 
 /* No stress yet; walls that are rough, smooth or between, and move. */
