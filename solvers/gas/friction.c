@@ -5,6 +5,7 @@
 
 #include "solvers/output/output.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -122,7 +123,57 @@ static void take_lines(const struct setup *s, const struct gas *g, int file, dou
     }
 }
 
-/* Computes what a file holds in the cells of this rank's slice. */
+/* Computes the mean of the sides that carry stress. */
+static status find_mean(const struct setup *s, const struct gas *g, long n, double *const *mean) {
+    const int tensors = tensors_of(s), sides = gas_friction_sides(g);
+    double *line[ITEM] = {NULL}, *count;
+    TRY(allocate(&line[0], n * (tensors + 1), sizeof(double), "friction"));
+    for (int i = 1; i < tensors; i++) line[i] = line[0] + i * n;
+    count = line[0] + tensors * n;
+    for (int i = 0; i < tensors; i++) memset(mean[i], 0, (size_t)n * sizeof(double));
+    for (int side = 0; side < sides; side++) {
+        take_lines(s, g, 1 + side, line);
+        for (long c = 0; c < n; c++) {
+            bool any = false;
+            for (int i = 0; i < tensors; i++) {
+                mean[i][c] += line[i][c];
+                any |= line[i][c] != 0;
+            }
+            count[c] += any;
+        }
+    }
+    for (int i = 0; i < tensors; i++)
+        for (long c = 0; c < n; c++) mean[i][c] /= count[c] > 0 ? count[c] : 1;
+    free(line[0]);
+    return OK;
+}
+
+/* Returns |tau| of a tensor without trace, whose diagonal goes on beyond the gas's axes. */
+static double size_of(const struct setup *s, bool disks, double *const *line, long c) {
+    const int missing = (disks ? 2 : 3) - s->components;
+    double sum = 0, trace = 0;
+    for (int i = 0, at = 0; i < s->components; i++)
+        for (int j = i; j < s->components; j++, at++) {
+            sum += (i == j ? 0.5 : 1) * line[at][c] * line[at][c];
+            trace += i == j ? line[at][c] : 0;
+        }
+    if (missing > 0) sum += 0.5 * trace * trace / missing;
+    return sqrt(sum);
+}
+
+status friction_ratio(const struct setup *s, const struct gas *g, bool disks, double *out) {
+    double *line[ITEM] = {NULL}, *items;
+    long n;
+    (void)grid_cells(s->grid, &n);
+    TRY(make_lines(s, 1, n, line, &items));
+    status e = find_mean(s, g, n, line);
+    take_lines(s, g, 0, &out);
+    for (long c = 0; c < n && !e; c++) out[c] = out[c] > 0 ? size_of(s, disks, line, c) / out[c] : 0;
+    free(line[0]);
+    return e;
+}
+
+/* Computes what a file holds in the cells of this rank's slice; that of the mean stands behind the others. */
 static status make_slice(const struct setup *s, const struct gas *g, int file, const struct share *share,
                          double **slice) {
     const int components = file ? ITEM : 1;
@@ -130,10 +181,11 @@ static status make_slice(const struct setup *s, const struct gas *g, int file, c
     long n;
     const int *cell = grid_cells(s->grid, &n);
     status e = make_lines(s, file, n, line, &items);
+    if (!e && file > gas_friction_sides(g)) e = find_mean(s, g, n, line);
     if (!e) e = allocate(slice, (share->end - share->first) * components, sizeof(double), "friction");
     e = comm_agree(s->comm, e);
     if (!e) {
-        take_lines(s, g, file, line);
+        if (file <= gas_friction_sides(g)) take_lines(s, g, file, line);
         turn(s, file, n, items, line, true);
         e = share_store(share, components, n, cell, items, *slice);
     }
@@ -141,12 +193,10 @@ static status make_slice(const struct setup *s, const struct gas *g, int file, c
     return e;
 }
 
-static status write_file(const struct friction_files *f, const struct setup *s, const struct gas *g,
-                         const struct field_writer *w, int file, struct file_sum *sum) {
+static status write_file(const struct setup *s, const struct gas *g, const struct field_writer *w, int file,
+                         const char *name, struct file_sum *sum) {
     const struct share share = share_make(s->comm, s->mesh->ncells);
-    const struct quantity q = {.name = strchr(f->name[file], '/') + 1,
-                               .components = file ? ITEM : 1,
-                               .dimensions = {1, -1, -2, 0, 0, 0, 0}};
+    const struct quantity q = {.name = name, .components = file ? ITEM : 1, .dimensions = {1, -1, -2, 0, 0, 0, 0}};
     double *slice = NULL;
     status e = make_slice(s, g, file, &share, &slice);
     if (!e) e = output_slices(w, &q, &share, slice, sum);
@@ -164,9 +214,12 @@ status friction_save(const struct friction_files *f, const struct setup *s, cons
     const struct field_writer there = {w->mesh, &exact, folder, location};
     for (int i = 0; i < f->n; i++) {
         struct file_sum sum;
-        status e = write_file(f, s, g, &there, i, &sum);
+        status e = write_file(s, g, &there, i, f->name[i] + strlen("uniform/"), &sum);
         if (!e && comm_root(s->comm)) e = checksums_add(sums, f->name[i], sum);
         TRY(comm_agree(s->comm, e));
     }
-    return OK;
+    struct file_sum sum;
+    if (!f->n) return OK;
+    TRY(write_file(s, g, w, f->n, "frictionStress", &sum));
+    return comm_agree(s->comm, comm_root(s->comm) ? checksums_add(sums, "frictionStress", sum) : OK);
 }

@@ -240,8 +240,7 @@ static void gas_describe(const struct medium *m, FILE *f) {
                 "    the start is gone: if it was a settledLayer, gas rests to the error of the scheme only (keep its "
                 "time folder)\n");
     if (of(m)->friction.lost)
-        fprintf(f, "    friction starts without stress: time %s has no %s\n", s->start.name,
-                of(m)->friction.name[0]);
+        fprintf(f, "    friction starts without stress: time %s has no %s\n", s->start.name, of(m)->friction.name[0]);
 }
 
 static void gas_provenance(const struct medium *m, struct sink *o) {

@@ -8,6 +8,7 @@
  * Enskog's mean free path lambda (scales.h, docs/physics.md 4.7): hydrodynamics asks for Kn << 1 (Boyd, Chen & Candler,
  * Phys. Fluids 7, 210, 1995, who take it from the gradient of the density; Goldhirsch, Annu. Rev. Fluid Mech. 35, 267,
  * 2003, for grains, where restitution sets that scale)
+ *   stressRatio = |tau|/p of friction (friction.h)
  *
  * Derivatives are those of grid_gradients; along axes that the mesh lacks they are 0. */
 #ifndef SOLVERS_GAS_QUANTITIES_H
@@ -22,6 +23,7 @@ enum {
     GAS_VORTICITY = GAS_FIELDS,
     GAS_GRAD_ALPHA,
     GAS_KNUDSEN,
+    GAS_STRESS_RATIO,
     GAS_CARRIED, /* the first of those that a case may carry, whose rows are empty here */
     GAS_MOMENTUM = GAS_CARRIED + CARRIED_MOST,
     GAS_ENERGY,
