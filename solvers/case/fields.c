@@ -171,16 +171,15 @@ struct range { /* of the entries of a list that has `count` of them */
 };
 
 /* Reads `uniform v` or `nonuniform List<...> n (...)`; *values is NULL for the first, else those of the range. */
-static status read_value(struct dict *d, const char *key, int components, struct range r, double *uniform,
+static status read_value(struct dict *d, const char *key, int components, struct range r, double uniform[3],
                          double **values) {
     struct lexer l;
     struct token t;
-    char list[24];
     *values = NULL;
     TRY(dict_raw(d, key, &l));
     TRY(lexer_next(&l, &t));
     if (token_is(&t, "uniform")) {
-        if (components > 1) TRY(lexer_expect(&l, '('));
+        if (components == 3) TRY(lexer_expect(&l, '('));
         for (int c = 0; c < components; c++) {
             TRY(lexer_next(&l, &t));
             if (t.kind != TOKEN_NUMBER || !isfinite(t.number))
@@ -188,15 +187,15 @@ static status read_value(struct dict *d, const char *key, int components, struct
                                   components == 3 ? "a vector" : "the value", key);
             uniform[c] = t.number;
         }
-        if (components > 1) TRY(lexer_expect(&l, ')'));
+        if (components == 3) TRY(lexer_expect(&l, ')'));
         return lexer_expect(&l, ';');
     }
     if (!token_is(&t, "nonuniform"))
         return lexer_fail(&l, &t, "'%s' is  uniform %s;  or  nonuniform List<%s> N ( ... );", key,
-                          components == 3 ? "(x y z)" : "VALUE", field_item(components));
+                          components == 3 ? "(x y z)" : "VALUE", components == 3 ? "vector" : "scalar");
     TRY(lexer_next(&l, &t));
-    snprintf(list, sizeof list, "List<%s>", field_item(components));
-    if (!token_is(&t, list)) return lexer_fail(&l, &t, "this field takes %s", list);
+    if (!token_is(&t, components == 3 ? "List<vector>" : "List<scalar>"))
+        return lexer_fail(&l, &t, "this field takes List<%s>", components == 3 ? "vector" : "scalar");
     long n = 0;
     TRY(foam_list_read_part(&l, dict_header(d), components, r.count, r.first, r.end, &n, values));
     if (n != r.count) {
@@ -522,44 +521,22 @@ status field_read_values(const char *path, int ncells, int *components, double *
     return field_read_slice(path, ncells, NULL, components, out);
 }
 
-/* Returns the class of a field whose items have so many components. */
-static const char *class_of(int components) {
-    return components == 6 ? "volSymmTensorField" : components == 3 ? "volVectorField" : "volScalarField";
-}
-
-static status take_cells(struct dict *d, int ncells, const struct share *share, int components, double **out) {
-    const struct range r = share ? (struct range){share->first, share->end, ncells} : (struct range){0, ncells, ncells};
-    double uniform[6];
-    TRY(read_value(d, "internalField", components, r, uniform, out));
-    if (*out) return OK;
-    TRY(allocate(out, (r.end - r.first) * components, sizeof(double), dict_path(d)));
-    for (long i = 0; i < (r.end - r.first) * components; i++) (*out)[i] = uniform[i % components];
-    return OK;
-}
-
 status field_read_slice(const char *path, int ncells, const struct share *share, int *components, double **out) {
+    const struct range r = share ? (struct range){share->first, share->end, ncells} : (struct range){0, ncells, ncells};
     struct dict *d = NULL;
     *out = NULL;
     TRY(share ? dict_read_shared(path, share, &d) : dict_read(path, &d));
     const char *class = dict_header(d)->class_name;
-    *components = !strcmp(class, class_of(3)) ? 3 : 1;
-    status s = *components == 1 && strcmp(class, class_of(1))
+    double uniform[3];
+    *components = !strcmp(class, "volVectorField") ? 3 : 1;
+    status s = *components == 1 && strcmp(class, "volScalarField")
                    ? fail(ERR_INPUT, "%s: class '%s'; this reads volScalarField and volVectorField", path, class)
-                   : take_cells(d, ncells, share, *components, out);
+                   : read_value(d, "internalField", *components, r, uniform, out);
     dict_free(d);
-    return s;
-}
-
-status field_read_items(const char *path, int ncells, const struct share *share, int components, double **out) {
-    struct dict *d = NULL;
-    *out = NULL;
-    TRY(dict_read_shared(path, share, &d));
-    const char *class = dict_header(d)->class_name;
-    status s = strcmp(class, class_of(components))
-                   ? fail(ERR_INPUT, "%s: class '%s'; it should be %s", path, class, class_of(components))
-                   : take_cells(d, ncells, share, components, out);
-    dict_free(d);
-    return s;
+    if (s || *out) return s;
+    TRY(allocate(out, (r.end - r.first) * *components, sizeof(double), path));
+    for (long i = 0; i < (r.end - r.first) * *components; i++) (*out)[i] = uniform[i % *components];
+    return OK;
 }
 
 /* Returns the line of a cell's value; of a binary list, an expression or a uniform value the line of the entry. */
@@ -681,7 +658,11 @@ static status open_field(const struct field_writer *w, const char *name, int com
     const signed char *k = dimensions;
     path_of(w, name, path);
     TRY(sink_open(path, w->format->compress, &s));
-    foam_header_write(s, w->format, class_of(components), w->location, name, NULL);
+    foam_header_write(s, w->format,
+                      components == 6   ? "volSymmTensorField"
+                      : components == 3 ? "volVectorField"
+                                        : "volScalarField",
+                      w->location, name, NULL);
     sink_printf(s, "dimensions      [%d %d %d %d %d %d %d];\n\n", k[0], k[1], k[2], k[3], k[4], k[5], k[6]);
     sink_printf(s, "internalField   nonuniform List<%s> ", field_item(components));
     *out = s;

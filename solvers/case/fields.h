@@ -84,8 +84,6 @@ void field_drop_cells(struct field *f); /* frees the values of the cells, and th
  * *out is [ncells][components]. field_read_slice reads those of a slice (NULL: of all). */
 status field_read_values(const char *path, int ncells, int *components, double **out);
 status field_read_slice(const char *path, int ncells, const struct share *share, int *components, double **out);
-/* The same of a field whose items must have 1, 3 or 6 components (volSymmTensorField); the values of a slice. */
-status field_read_items(const char *path, int ncells, const struct share *share, int components, double **out);
 
 /* Is the field given by an expression alone, so that it can be evaluated anywhere? */
 bool field_has_expression(const struct field *f);

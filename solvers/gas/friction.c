@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files of what friction keeps (friction.h). A file goes from cells to slices and back, one after the other, so that no
- * rank holds a whole field. */
-#include "solvers/gas/friction.h"
-
+/* Files of what friction keeps (quantities.h). A file goes from cells to slices and back, one after the other, so that
+ * no rank holds a whole field. */
+#include "solvers/gas/quantities.h"
 #include "solvers/output/output.h"
 
 #include <math.h>
@@ -75,6 +74,25 @@ static void path_of(const struct friction_files *f, const struct setup *s, int f
     snprintf(path, 2 * TIME_PATH, "%s/%s/%s", s->dir, s->start.folder, f->name[file]);
 }
 
+/* Reads the values of a slice. */
+static status read_slice(const char *path, const struct share *share, int components, double **slice) {
+    struct dict *d;
+    struct lexer l;
+    struct token t = {.text = ""};
+    char list[24];
+    long n = 0;
+    TRY(dict_read_shared(path, share, &d));
+    snprintf(list, sizeof list, "List<%s>", field_item(components));
+    status e = dict_raw(d, "internalField", &l);
+    if (!e) e = lexer_next(&l, &t);
+    if (!e && token_is(&t, "nonuniform")) e = lexer_next(&l, &t);
+    if (!e && !token_is(&t, list)) e = lexer_fail(&l, &t, "a restart wants what a run wrote:  nonuniform %s", list);
+    if (!e) e = foam_list_read_part(&l, dict_header(d), components, share->n, share->first, share->end, &n, slice);
+    if (!e && n != share->n) e = dict_fail(d, "internalField", "it holds %ld values; the mesh wants %ld", n, share->n);
+    dict_free(d);
+    return e;
+}
+
 static status read_file(const struct friction_files *f, const struct setup *s, struct gas *g, int file) {
     const struct share share = share_make(s->comm, s->mesh->ncells);
     const int components = file ? ITEM : 1;
@@ -83,7 +101,7 @@ static status read_file(const struct friction_files *f, const struct setup *s, s
     long n;
     const int *cell = grid_cells(s->grid, &n);
     path_of(f, s, file, path);
-    status e = field_read_items(path, s->mesh->ncells, &share, components, &slice);
+    status e = read_slice(path, &share, components, &slice);
     if (!e) e = make_lines(s, file, n, line, &items);
     e = comm_agree(s->comm, e);
     if (!e) e = share_fetch(&share, components, slice, n, cell, items);

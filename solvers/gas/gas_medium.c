@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The granular gas as the medium (medium.h) of granularGas. */
-#include "solvers/gas/friction.h"
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
 #include "solvers/gas/quantities.h"
-#include "solvers/gas/rest.h"
 #include "solvers/gas/scales.h"
 #include "solvers/gas/uniform.h"
 #include "solvers/output/report.h"

@@ -4,7 +4,6 @@
 #include "solvers/gas/quantities.h"
 
 #include "mesh/grid/gradient.h"
-#include "solvers/gas/friction.h"
 #include "solvers/gas/scales.h"
 
 #include <math.h>
