@@ -121,6 +121,7 @@ struct bed {
     struct acoustics_params params;
     int dim, components; /* solved axes; components of the velocity, which may be more: those are carried along */
     double limit;        /* kg/m^3: densities stay below it */
+    bool carries;        /* does kept[0] get the flux of mass of BED_INNER, too, on all ranks? */
 
     struct bed_set *home; /* the cells of this rank's mesh, which the caller lists */
     struct bed_set set;   /* the cells that this rank computes: its share of the bed; on one rank `home` itself */

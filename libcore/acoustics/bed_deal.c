@@ -375,6 +375,7 @@ static void move_all(const struct bed *b, struct bed_set *s, const int *face, bo
         for (int i = before; i < before + n[r][FACES]; i++) {
             const int f = face ? face[i] : i;
             for (int side = 0; side < 2 && s->balanced && !results; side++) at = move(s->balance[side] + f, 1, at, out);
+            if (b->carries && results) at = move(s->kept[0] + f, 1, at, out);
             if (s->kind[f] == BED_INNER) continue;
             if (!results) at = move(s->holds + f, 1, at, out);
             for (int v = 0; v <= last && !results; v++) at = move(s->outside[v] + f, 1, at, out);
@@ -406,7 +407,8 @@ void bed_deal_results(struct bed *b) {
     const int variables = b->components + 2;
     if (!d) return;
     move_all(b, &b->set, NULL, true, d->message_out, true);
-    send(b, d->message_out, &(struct per){{[CELLS] = variables, [OUTER] = variables, [BLOCKS] = RESULTS}}, true);
+    send(b, d->message_out,
+         &(struct per){{[CELLS] = variables, [FACES] = b->carries, [OUTER] = variables, [BLOCKS] = RESULTS}}, true);
     move_all(b, b->home, d->face, true, d->message_in, false);
 }
 

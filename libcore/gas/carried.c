@@ -80,11 +80,11 @@ static void ignore_row(void *context, const struct row *row) {
     (void)row;
 }
 
-static void mean_row(void *gas, const struct row *row) {
+static void density_row(void *gas, const struct row *row) {
     const struct gas *g = gas;
     const double *before = g->V.block[row->block] + row->at, *now = g->U.block[row->block] + row->at;
     double *rho = g->carried->rho[row->block] + row->at, *stress = NULL, T[BATCH];
-    for (int i = 0; i < row->n; i++) rho[i] = 0.5 * (before[i] + now[i]);
+    for (int i = 0; i < row->n; i++) rho[i] = smaller(before[i], now[i]);
     if (!g->carried->stress) return;
     stress = g->carried->stress[row->block] + row->at;
     temperature_row(g, row->n, now, T);
@@ -132,10 +132,9 @@ static void find_terms(struct gas *g, const struct carried_quantity *q, double d
 
 /* Returns into how many parts the step is cut for what P and K are now. */
 static double parts_of(struct gas *g) {
-    double most[2] = {0, 0};
-    g->engine->carried.most_out(g, most);
-    comm_max(g->comm, most, 2);
-    return most[0] <= FULL ? 1 : ceil(most[1] / FULL);
+    double most = g->engine->carried.most_out(g);
+    comm_max(g->comm, &most, 1);
+    return larger(ceil(most / FULL), 1);
 }
 
 static void move_quantity(struct gas *g, const struct carried_quantity *q, int parts) {
@@ -160,7 +159,7 @@ status carried_move(struct gas *g, double t, double dt) {
     if (!c) return OK;
     renew_patches(g, t + 0.5 * dt);
     g->engine->state.rows(g, EVERY_CELL, &g->V, ignore_row, NULL);
-    g->engine->state.rows(g, EVERY_CELL, &g->U, c->terms ? mean_row : ignore_row, g);
+    g->engine->state.rows(g, EVERY_CELL, &g->U, c->terms ? density_row : ignore_row, g);
     if (c->terms) g->engine->carried.fill(g, c->rho);
     if (c->stress) g->engine->carried.fill(g, c->stress);
     for (int i = 0; i < c->n; i++) {

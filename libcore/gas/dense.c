@@ -44,8 +44,7 @@ bool gas_may_be_dense(const struct gas_models *m) {
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
     if (!gas_may_be_dense(m) || !g->engine->bed.make) return OK;
-    /* beds cannot be given mass, and do not say what mass crosses their faces */
-    if ((g->patches.fed || m->ncarried > 0) && m->acoustics->automatic) return OK;
+    if (g->patches.fed && m->acoustics->automatic) return OK; /* beds cannot be given mass */
     TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
     struct dense *d = g->dense;
     d->bed = (struct bed){.eos = m->eos,
@@ -54,7 +53,8 @@ status dense_make(struct gas *g) {
                           .params = acoustics_params(&m->acoustics_params),
                           .dim = g->dim,
                           .components = g->components,
-                          .limit = g->limits.most};
+                          .limit = g->limits.most,
+                          .carries = m->ncarried > 0};
     d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
     d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);

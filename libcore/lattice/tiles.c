@@ -332,6 +332,7 @@ const struct engine engine_lattice = {
     .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit},
     .carried = {.make = tiles_carried_make,
                 .free = tiles_carried_free,
+                .bed = tiles_carried_bed,
                 .fill = tiles_carried_fill,
                 .fill_phi = tiles_carried_fill_phi,
                 .slope = tiles_carried_slope,

@@ -20,7 +20,7 @@ enum carried_terms {
 
 struct carried_line { /* n <= BATCH cells */
     int n;
-    const double *rho;   /* [n] kg/m^3, the mean over the step */
+    const double *rho;   /* [n] kg/m^3 */
     const double *slope; /* [n] Pa/m: d(rho T)/dd; NULL unless CARRIED_STRESS */
 };
 

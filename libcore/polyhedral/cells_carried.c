@@ -48,6 +48,15 @@ void cells_carry(struct gas *g) {
     memcpy(g->carried->flux[0], g->cells->flux[0], (size_t)g->cells->polyhedra->face.n * sizeof(double));
 }
 
+void cells_carried_bed(struct gas *g, double dt) {
+    const struct bed_set *bed = g->dense->bed.home;
+    for (int f = 0; f < bed->faces; f++) {
+        const int face = bed->shape[f];
+        if (bed->kind[f] != BED_KEPT)
+            g->carried->mass[0][face] = dt * g->cells->polyhedra->face.area[face] * bed->kept[0][f];
+    }
+}
+
 /* ---- ghosts ---- */
 
 static void fill_ghosts(const struct gas *g, int n, double *block) {
@@ -149,18 +158,19 @@ static double out_of(const struct seen_face *s) {
     return (larger(s->mass, 0) + s->exchange) + 2 * s->spread;
 }
 
-void cells_carried_most_out(const struct gas *g, double most[2]) {
+double cells_carried_most_out(const struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     const double *before = g->V.block[0], *now = g->U.block[0];
+    double most = 0;
     for (int i = 0; i < m->nown; i++) {
         double out = 0;
         for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
             const struct seen_face s = look(g, j);
             out += out_of(&s);
         }
-        most[0] = larger(most[0], out / (m->volume[i] * before[i]));
-        most[1] = larger(most[1], out / (m->volume[i] * smaller(before[i], now[i])));
+        most = larger(most, carried_share(out / m->volume[i], before[i], now[i]));
     }
+    return most;
 }
 
 static double density_at(const struct gas *g, int i, double when) {

@@ -21,5 +21,11 @@ static bool carried_stage(struct gas *g, struct attempt *a, const struct stage_n
     return true;
 }
 
-const struct part carried_part = {"carried quantities", are_carried, carried_first, carried_stage, NULL,
-                                  BOOKS_ITSELF,         true};
+/* The bed has been advanced. */
+static bool carried_last(struct gas *g, struct attempt *a) {
+    if (g->step.hybrid) g->engine->carried.bed(g, a->dt);
+    return true;
+}
+
+const struct part carried_part = {"carried quantities", are_carried,  carried_first, carried_stage,
+                                  carried_last,         BOOKS_ITSELF, true};
