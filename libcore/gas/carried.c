@@ -37,7 +37,10 @@ static status make(struct gas *g) {
         TRY(line_make(g, &c->D));
         TRY(line_make(g, &c->f));
     }
-    if (c->terms & CARRIED_STRESS) TRY(line_make(g, &c->stress));
+    if (c->terms & CARRIED_STRESS) {
+        TRY(line_make(g, &c->stress));
+        TRY(line_make(g, &c->rise));
+    }
     return g->engine->carried.make(g);
 }
 
@@ -55,7 +58,7 @@ void carried_free(struct gas *g) {
         line_free(g, c->quantity[i].phi);
         free(c->quantity[i].rule);
     }
-    double **lines[] = {c->rho, c->D, c->f, c->stress, c->flux, c->mass, c->exchange, c->spread, c->slope};
+    double **lines[] = {c->rho, c->D, c->f, c->stress, c->rise, c->flux, c->mass, c->exchange, c->spread, c->slope};
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) line_free(g, lines[i]);
     g->engine->carried.free(g);
     free(c->quantity);
@@ -101,7 +104,7 @@ static void coefficient_row(void *finding, const struct row *row) {
     const struct carried *c = x->g->carried;
     const long at = row->at;
     const bool sees = x->q->terms & CARRIED_STRESS;
-    const struct carried_line line = {row->n, c->rho[row->block] + at, sees ? c->slope[row->block] + at : NULL};
+    const struct carried_line line = {row->n, c->rho[row->block] + at, sees ? c->rise[row->block] + at : NULL};
     x->q->choice.kind->coefficients(&x->q->choice.params, &line, c->D[row->block] + at, c->f[row->block] + at);
 }
 
@@ -121,7 +124,6 @@ static void find_terms(struct gas *g, const struct carried_quantity *q, double d
     clear_terms(g);
     if (!q->terms) return;
     c->clear = false;
-    if (q->terms & CARRIED_STRESS) hooks->slope(g, c->stress, c->slope);
     g->engine->state.rows(g, EVERY_CELL, NULL, coefficient_row, &(struct finding){g, q});
     hooks->fill(g, c->D);
     hooks->fill(g, c->f);
@@ -161,7 +163,10 @@ status carried_move(struct gas *g, double t, double dt) {
     g->engine->state.rows(g, EVERY_CELL, &g->V, ignore_row, NULL);
     g->engine->state.rows(g, EVERY_CELL, &g->U, c->terms ? density_row : ignore_row, g);
     if (c->terms) g->engine->carried.fill(g, c->rho);
-    if (c->stress) g->engine->carried.fill(g, c->stress);
+    if (c->stress) {
+        g->engine->carried.fill(g, c->stress);
+        g->engine->carried.rise(g);
+    }
     for (int i = 0; i < c->n; i++) {
         const struct carried_quantity *q = &c->quantity[i];
         find_terms(g, q, dt);

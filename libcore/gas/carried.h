@@ -36,10 +36,11 @@ struct carried {
      * mass in the attempt so far (kg; on a lattice per area); P and K of the quantity in hand */
     long faces;
     double **flux, **mass, **exchange, **spread;
-    double **slope; /* [blocks][1 + dim] lines of cells: phi_f is phi + line 0 + slopes * way to the face */
-    /* [blocks][size], with a layer of ghosts: rho, the less of before and behind the step; D; f; rho T. NULL without
-     * terms */
-    double **rho, **D, **f, **stress;
+    double *
+        *slope; /* [blocks][1 + dim] lines of cells, of the engine: phi_f is phi + line 0 + slopes * way to the face */
+    /* [blocks][size], with a layer of ghosts: rho, the less of before and behind the step; D; f. NULL without terms.
+     * rho T and its slope along `up`; NULL unless a kind asks for it */
+    double **rho, **D, **f, **stress, **rise;
     bool clear; /* are exchange and spread 0? */
 };
 
@@ -56,8 +57,8 @@ struct carried_hooks {             /* of an engine */
     void (*fill)(struct gas *g, double **line);
     /* Fills the ghosts of phi, beyond patches with its value on the patch. Collective. */
     void (*fill_phi)(struct gas *g, const struct carried_quantity *q);
-    void (*slope)(struct gas *g, double **line, double **out); /* the slope of a filled line along g->carried->up */
-    void (*terms)(struct gas *g, double dt);                   /* computes P and K of filled lines rho, D and f */
+    void (*rise)(struct gas *g);             /* computes g->carried->rise of the filled line `stress` */
+    void (*terms)(struct gas *g, double dt); /* computes P and K of filled lines rho, D and f */
     /* Returns the largest over the cells of this rank of what carried_share says. */
     double (*most_out)(const struct gas *g);
     void (*slopes)(struct gas *g, const struct carried_quantity *q, struct carried_part part); /* with their ghosts */

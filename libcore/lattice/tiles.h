@@ -280,7 +280,7 @@ void tiles_carried_free(struct gas *g);
 void tiles_carried_bed(struct gas *g, double dt);
 void tiles_carried_fill(struct gas *g, double **line);
 void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
-void tiles_carried_slope(struct gas *g, double **line, double **out);
+void tiles_carried_rise(struct gas *g);
 void tiles_carried_terms(struct gas *g, double dt);
 double tiles_carried_most_out(const struct gas *g);
 void tiles_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);

@@ -93,14 +93,16 @@ void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q) {
 
 /* ---- P and K ---- */
 
-void tiles_carried_slope(struct gas *g, double **line, double **out) {
+void tiles_carried_rise(struct gas *g) {
     const struct forest *f = g->forest;
     for (int t = 0; t < f->ntiles; t++) {
-        memset(out[t], 0, (size_t)f->size * sizeof(double));
+        const double *stress = g->carried->stress[t];
+        double *rise = g->carried->rise[t];
+        memset(rise, 0, (size_t)f->size * sizeof(double));
         for (int a = 0; a < g->dim; a++) {
             const double per = g->carried->up[a] / (2 * f->width[a]);
-            for (long i = f->first - f->stride[a]; i < f->size - f->stride[a]; i++)
-                if (i >= f->stride[a]) out[t][i] += per * (line[t][i + f->stride[a]] - line[t][i - f->stride[a]]);
+            for (long i = f->stride[a]; i < f->size - f->stride[a]; i++)
+                rise[i] += per * (stress[i + f->stride[a]] - stress[i - f->stride[a]]);
         }
     }
 }

@@ -197,7 +197,7 @@ void cells_carried_free(struct gas *g);
 void cells_carried_bed(struct gas *g, double dt);
 void cells_carried_fill(struct gas *g, double **line);
 void cells_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
-void cells_carried_slope(struct gas *g, double **line, double **out);
+void cells_carried_rise(struct gas *g);
 void cells_carried_terms(struct gas *g, double dt);
 double cells_carried_most_out(const struct gas *g);
 void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
