@@ -104,7 +104,10 @@ static void coefficient_row(void *finding, const struct row *row) {
     const struct carried *c = x->g->carried;
     const long at = row->at;
     const bool sees = x->q->terms & CARRIED_STRESS;
-    const struct carried_line line = {row->n, c->rho[row->block] + at, sees ? c->rise[row->block] + at : NULL};
+    double T[BATCH];
+    temperature_row(x->g, row->n, x->g->U.block[row->block] + at, T);
+    const struct carried_line line = {row->n, &x->g->models.material, c->rho[row->block] + at, T,
+                                      sees ? c->rise[row->block] + at : NULL};
     x->q->choice.kind->coefficients(&x->q->choice.params, &line, c->D[row->block] + at, c->f[row->block] + at);
 }
 

@@ -93,9 +93,21 @@ void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q) {
 
 /* ---- P and K ---- */
 
+/* Beyond patches the stress goes on with the slope inside, so that a cell there has that slope. */
+static void stress_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    double *line = g->carried->stress[tile];
+    const long inward = e->from - e->to;
+    (void)context;
+    for (int i = 0; i < e->n; i++) {
+        const long at = e->from + i * e->step;
+        line[at - inward] = 2 * line[at] - line[at + inward];
+    }
+}
+
 void tiles_carried_rise(struct gas *g) {
     const struct forest *f = g->forest;
     for (int t = 0; t < f->ntiles; t++) {
+        edges_visit(g, t, stress_edge, NULL);
         const double *stress = g->carried->stress[t];
         double *rise = g->carried->rise[t];
         memset(rise, 0, (size_t)f->size * sizeof(double));
