@@ -173,6 +173,40 @@ class Beds(harness.Folder, unittest.TestCase):
         return np.sum(result.field("rho", time) * result.field(name, time) * result.volumes)
 
 
+class Mixture(harness.Folder, unittest.TestCase):
+    def test_one_run_and_two(self):
+        """From one time of the gas of segregationWedge on, for so short a time that the gas hardly changes: the mixture that the gas
+        carries, and that of granularSegregation in the flow of that time."""
+        gas = harness.copy("wedge", self.folder)
+        harness.mesh(gas, 50)
+        harness.edit(gas, "system/controlDict", endTime=0.03, writeInterval=0.03)
+        harness.program("granularGas", "-case", gas)
+        two = harness.copy("segregationWedge", os.path.dirname(gas))
+        harness.mesh(two, 50)
+        for entry in ("percolation", "velocity"):
+            path = os.path.join(two, "constant/segregationProperties")
+            with open(path) as f:
+                text = f.read()
+            with open(path, "w") as f:
+                f.write(text.replace('case "gas"; time 0.0425;', f'case "{gas}"; time 0.03;'))
+        harness.edit(two, "system/controlDict", endTime=0.002, deltaT=2e-5, writeInterval=0.002)
+        harness.program("granularSegregation", "-case", two)
+        at = harness.haff.Case(gas).centres
+        runs.add(gas, "constant/granularProperties",
+                 "carried { phi { type segregation; percolation kineticStress; q 0.2; rho 1910; diffusivity 0.5; } }\n")
+        field(gas, "phi", np.full(len(at), 0.5), 'inlet fixedValue; value uniform 0.5\noutlet inletOutlet; inletValue uniform 0.5\n'
+                                                 'wall zeroGradient\n".*" empty', time="0.03")
+        os.remove(os.path.join(gas, "0.03/uniform/checksums"))
+        harness.edit(gas, "system/controlDict", endTime=0.032, writeInterval=0.002)
+        harness.program("granularGas", "-case", gas)
+        one, other = harness.haff.Case(gas).field("phi", "0.032") - 0.5, harness.haff.Case(two).field("phi", "0.002") - 0.5
+        self.assertGreater(np.corrcoef(one, other)[0, 1], 0.95)
+        self.assertLess(np.abs(one - other).mean(), 0.35 * np.abs(other).mean())
+        self.assertAlmostEqual(one.max(), other.max(), delta=0.15 * other.max())
+        ahead = at[:, 0] + (10 - at[:, 1]) < 2  # where the stream comes in, all is uniform
+        self.assertTrue(ahead.any() and np.all(one[ahead] == 0))
+
+
 class Refused(harness.Folder, unittest.TestCase):
     def said(self, case):
         done = harness.program("checkCase", "-case", case, check=False)
