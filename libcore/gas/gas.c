@@ -267,8 +267,33 @@ void gas_speed(struct gas *g, struct gas_speed *speed) {
     *speed = g->step.speed;
 }
 
+struct rate_search { /* of the cells with a rate */
+    struct gas *g;
+    enum rate what;
+    const struct state *s;
+    double wanted;
+    struct first_place first;
+};
+
+static void seek_rate(void *search, const struct row *row) {
+    struct rate_search *r = search;
+    double rate[BATCH], here[3];
+    r->g->engine->state.rates(r->g, r->what, r->s, row, rate);
+    for (int i = 0; i < row->n; i++) {
+        if (rate[i] != r->wanted) continue;
+        r->g->engine->state.place(r->g, row->block, row->at + i, here);
+        first_place_offer(&r->first, here);
+    }
+}
+
+void place_of_rate(struct gas *g, enum rate what, const struct state *s, double wanted, double place[3]) {
+    struct rate_search r = {g, what, s, wanted, {.order = HUGE_VAL}};
+    g->engine->state.rows(g, EVERY_CELL, s, seek_rate, &r);
+    first_place_agree(g, &r.first, place);
+}
+
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    g->engine->state.fastest_place(g, speed, place);
+    place_of_rate(g, OF_FLOW, &g->U, speed->rate, place);
 }
 
 void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]) {

@@ -17,6 +17,7 @@
 #include "libcore/models/boundary.h"
 #include "libcore/models/carried.h"
 #include "libcore/models/eos.h"
+#include "libcore/models/friction.h"
 #include "libcore/models/source.h"
 #include "libcore/models/transport.h"
 #include "libcore/schemes/flux.h"
@@ -34,9 +35,11 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     const struct reconstruct *reconstruct;
     const struct stepper *stepper;
     struct sources source;
-    const struct polynomial *polynomial;  /* takes the place of reconstruct on polyhedra; may be NULL on a lattice */
-    const struct transport *transport;    /* NULL: the gas is inviscid, and transport costs nothing */
-    struct own_params transport_params;   /* parameters of the transport law */
+    const struct polynomial *polynomial; /* takes the place of reconstruct on polyhedra; may be NULL on a lattice */
+    const struct transport *transport;   /* NULL: the gas is inviscid, and transport costs nothing */
+    struct own_params transport_params;  /* parameters of the transport law */
+    const struct friction *friction;     /* of packed gas; NULL or the row `none`: there is none */
+    struct friction_params friction_params;
     const struct diffusion *diffusion;    /* time scheme of viscous stress and heat conduction; with transport */
     const struct linear_module *linear;   /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
     const struct acoustics *acoustics;    /* NULL: explicit */
@@ -146,6 +149,9 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit);
 /* Can a gas of these models ever take such steps? */
 bool gas_may_be_dense(const struct gas_models *m);
+static inline bool gas_rubs(const struct gas_models *m) { /* is there friction? */
+    return m->friction && m->friction->on;
+}
 /* Returns the largest inertial number (docs/physics.md 4.8) |u| sigma/(h sqrt(p/rho of a grain)) of dense cells in the
  * last gas_bed_step, an upper estimate as u may change over more than a cell; HUGE_VAL if there was no bed. */
 double gas_inertia(const struct gas *g);
@@ -230,12 +236,13 @@ void gas_tally_faces(const struct gas *g, int block, gas_face_visitor *visit, vo
  * collective. */
 
 /* Causes of changes, besides the rows of source_table. */
-enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CAUSES };
+enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CONTACTS, GAS_CAUSES };
 enum gas_edge { GAS_WALLS, GAS_OPEN, GAS_EDGES };
 struct gas_budget {              /* sums over the domain, as by gas_totals */
     double mass, energy;         /* kg, J: of the present state */
     double sourced[SOURCE_MOST]; /* J: from each source */
-    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U */
+    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U,
+                                  * friction of grains in contact */
     double flowed, filled;       /* kg: through open patches, and by the density floor */
     double lost[2];              /* kg, J: changes that no cause accounts for: round-off */
     /* N s along computational axes, [components]: of the present state; from each source; through walls and open

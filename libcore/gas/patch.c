@@ -90,8 +90,9 @@ static void surface_temperature(const struct gas *g, const struct patch_rules *r
     double bulk[BATCH], shear[BATCH], heat[BATCH], cross[BATCH], none[BATCH] = {0}, share[2][BATCH], rate[BATCH];
     const bool sees = m->transport->needs & NEEDS_SHEAR_RATE;
     for (int i = 0; i < n && sees; i++) rate[i] = wall_drags(r) ? 2 * sqrt(slip[i]) / gap[i] : 0;
-    const struct closure_line cells = {m->eos, &m->material, n, rho, T, sees ? rate : NULL};
-    m->transport->coefficients(&m->transport_params, &cells, bulk, shear, heat);
+    const struct closure_line cells = {
+        .eos = m->eos, .material = &m->material, .n = n, .rho = rho, .T = T, .shear_rate = sees ? rate : NULL};
+    transport_row(g, &cells, bulk, shear, heat);
     if (g->diffusion.terms.cross) m->transport->cross(&m->transport_params, &cells, cross);
     struct wall_line line = {.n = n,
                              .face = face,
@@ -165,6 +166,14 @@ bool gas_on_patch(const struct gas *g, int patch, int n, const int *face, double
             open_values(g, r, m, face + at, to, part);
     }
     return r->velocity.type && patch_is_wall(r);
+}
+
+double patch_wall_friction(const struct gas *g, int patch, int face, double velocity[MAX_DIM]) {
+    const struct patch_rules *r = &g->patches.rules[patch];
+    for (int k = 0; k < g->components; k++) velocity[k] = 0;
+    if (!r->velocity.type || !patch_is_wall(r)) return 0;
+    wall_velocity(r, g->components, face, velocity);
+    return wall_friction(r);
 }
 
 /* ---- patches that give mass ---- */

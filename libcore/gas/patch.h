@@ -19,6 +19,10 @@ struct patch_line {        /* n ghosts along a patch */
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
                   double (*ghost)[BATCH]);
 
+/* Returns the coefficient of friction of packed gas on a face of a patch (wall_friction): 0 if it is no wall. velocity:
+ * of the wall there, [components]. */
+double patch_wall_friction(const struct gas *g, int patch, int face, double velocity[MAX_DIM]);
+
 struct fed_faces { /* n <= BATCH faces of a patch that feeds */
     int n;
     const int *face;        /* [n] faces within the patch */

@@ -255,6 +255,21 @@ int move_row(struct gas *g, const struct moved *m) {
     return bad;
 }
 
+void transport_row(const struct gas *g, const struct closure_line *cells, double *restrict bulk, double *restrict shear,
+                   double *restrict heat) {
+    static const double LEAST = 1e-9; /* walls divide by the viscosity */
+    const struct gas_models *m = &g->models;
+    double share[BATCH];
+    m->transport->coefficients(&m->transport_params, cells, bulk, shear, heat);
+    if (!friction_acts(m->friction)) return;
+    friction_share(&m->friction_params, &m->material, cells->n, cells->rho, share);
+    for (int i = 0; i < cells->n; i++) {
+        const double left = larger(1 - share[i], LEAST);
+        bulk[i] *= left;
+        shear[i] *= left;
+    }
+}
+
 void temperature_row(const struct gas *g, int n, const double *U, double *T) {
     double velocity[MAX_DIM][BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     velocity_row(n, g->components, g->size, U, u, T);

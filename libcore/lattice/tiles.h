@@ -33,9 +33,6 @@ struct work { /* scratch of the tile in hand, [size] each */
     double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
     struct range *density;       /* [rows of activity_row] of the cells that the stage in hand reads */
 };
-struct span { /* the columns low <= i < high of a row of a tile */
-    int low, high;
-};
 #define SPAN_EMPTY ((struct span){1 << 20, -(1 << 20)})
 static inline bool span_empty(struct span s) {
     return s.low >= s.high;
@@ -92,7 +89,8 @@ void tiles_shear_rate(struct gas *g, const struct state *s); /* libcore/lattice/
 status tiles_diffuser_make(struct gas *g);
 void tiles_diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
-void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
+/* Computes the rates of n cells of a tile from `at` on, with 1/rho as the last tiles_diffusion_rates found it. */
+void tiles_diffusion_rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]);
 void tiles_diffusion_ghosts(struct gas *g, const struct state *s);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -162,8 +160,6 @@ struct speeds { /* wave speeds that speed_visit gathers on this rank */
     const double *last; /* the block whose background was looked at last; NULL: there is none */
     struct gas_speed most;
     struct range p, background; /* Pa: of the tile in hand, and of the background that was looked at last */
-    double wanted;              /* if > 0, the rate of the cell that is looked for */
-    long found;                 /* the offset of that cell; -1: none yet */
 };
 void speed_visit(void *speeds, long offset, int n);
 /* As speed_visit for the tile's background, which often is that of the tile before. */

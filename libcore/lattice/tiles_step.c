@@ -104,7 +104,7 @@ long tiles_stage(struct gas *g, const struct state *U0, const struct state *from
 
 long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                       double dt, struct ending *ending) {
-    struct closing c = {.half = {.g = g, .plan = ending->sources}, .speeds = {.g = g, .found = -1}};
+    struct closing c = {.half = {.g = g, .plan = ending->sources}, .speeds = {.g = g}};
     long bad = do_stage(g, U0, from, to, a, dt, &c);
     ending->speed = c.speeds.most;
     fronts_speed(g, &ending->speed);

@@ -121,8 +121,11 @@ static void absorbed_shares(double restitution, const struct wall_line *l, doubl
     }
 }
 
+enum { UNSAID = -1 }; /* a coefficient of friction that is not given */
+#define WALL_ABOUT "coefficient of friction of packed gas on the wall; with `friction` in constant/granularProperties"
+
 struct granular_wall {
-    double restitution;
+    double restitution, mu;
 };
 OWN_PARAMS_FIT(struct granular_wall);
 #define PARAM_STRUCT struct granular_wall
@@ -130,13 +133,22 @@ static const struct param granular_param[] = {
     NUMBER("restitution", restitution, REQUIRED, FROM_TO(0, 1), NO_UNIT,
            "of impacts on the wall, which JohnsonJacksonSlip calls restitutionCoefficient; that of two grains is in "
            "grain"),
+    NUMBER("muWall", mu, USUALLY(UNSAID, "that of U"), FROM_TO(0, HUGE_VAL), NO_UNIT, WALL_ABOUT),
 };
 #undef PARAM_STRUCT
 
-static void granular_heat(const struct rule *rule, const struct wall_line *l, double *share) {
+static struct granular_wall granular_of(const struct rule *rule) {
     struct granular_wall own;
     memcpy(&own, &rule->params, sizeof own);
-    absorbed_shares(own.restitution, l, share);
+    return own;
+}
+
+static double granular_friction(const struct rule *rule) {
+    return granular_of(rule).mu;
+}
+
+static void granular_heat(const struct rule *rule, const struct wall_line *l, double *share) {
+    absorbed_shares(granular_of(rule).restitution, l, share);
 }
 
 /* The wall with friction of Johnson & Jackson (J. Fluid Mech. 176, 1987, p. 67; docs/physics.md 5.5). At a wall of hard
@@ -160,7 +172,7 @@ static void granular_heat(const struct rule *rule, const struct wall_line *l, do
  * grains at all densities, and the same for disks and spheres, so it is taken for both; coefficients that were fitted
  * with their factors are to be scaled. */
 struct rough_wall {
-    double specularity, restitution;
+    double specularity, restitution, mu;
 };
 OWN_PARAMS_FIT(struct rough_wall);
 #define PARAM_STRUCT struct rough_wall
@@ -169,6 +181,8 @@ static const struct param rough_param[] = {
            "mean part of a grain's momentum along the wall that an impact gives to it"),
     NUMBER("restitutionCoefficient", restitution, REQUIRED, FROM_TO(0, 1), NO_UNIT,
            "of impacts on the wall, which granularWall calls restitution; that of two grains is restitution in grain"),
+    NUMBER("muWall", mu, USUALLY(UNSAID, "rough: packed gas yields before it slips"), FROM_TO(0, HUGE_VAL), NO_UNIT,
+           WALL_ABOUT),
 };
 #undef PARAM_STRUCT
 
@@ -190,6 +204,10 @@ static void rough_drag(const struct rule *rule, const struct wall_line *l, doubl
     }
 }
 
+static double rough_friction(const struct rule *rule) {
+    return rough_of(rule).mu;
+}
+
 static void rough_heat(const struct rule *rule, const struct wall_line *l, double *share) {
     absorbed_shares(rough_of(rule).restitution, l, share);
 }
@@ -204,6 +222,26 @@ static const char *rough_objection(const struct patch_rules *r) {
     if (U->type == T->type && !memcmp(&U->params, &T->params, sizeof U->params)) return NULL;
     if (U->type->drag != rough_drag) return "U must be that, too, with the same coefficients";
     return T->type->temperature ? NULL : "T must be that, too, with the same coefficients, or fixedValue";
+}
+
+/* ---- walls of packed gas with friction (docs/physics.md 5.9) ---- */
+
+struct rubbing_wall {
+    struct moving_wall moving; /* first, as moving_velocity reads it */
+    double mu;
+};
+OWN_PARAMS_FIT(struct rubbing_wall);
+#define PARAM_STRUCT struct rubbing_wall
+static const struct param rubbing_param[] = {
+    VECTOR("U", moving.U, 0, ANY_NUMBER, UNIT(0, 1, -1), "of the wall, along itself"),
+    NUMBER("muWall", mu, REQUIRED_AS("muWall 0.3;"), FROM_TO(0, HUGE_VAL), NO_UNIT, WALL_ABOUT),
+};
+#undef PARAM_STRUCT
+
+static double rubbing_friction(const struct rule *rule) {
+    struct rubbing_wall own;
+    memcpy(&own, &rule->params, sizeof own);
+    return own.mu;
 }
 
 /* ---- the table ---- */
@@ -221,15 +259,21 @@ const struct boundary_type boundary_table[] = {
     {MODEL_WITH("translatingWallVelocity",
                 "the same, moving along itself: U (ux uy uz);  or  U table ((t (ux uy uz)) ..);", moving_param),
      HOLDS, .transport = true, .velocity = moving_velocity},
+    {MODEL_WITH("frictionalSlip",
+                "wall that gas slips along, and packed gas rubs on: muWall, and U of a wall that moves along itself",
+                rubbing_param),
+     FIELDS(false, true), .wall = true, .ghost = flip_normal, .velocity = moving_velocity,
+     .friction = rubbing_friction},
     {MODEL_WITH("granularWall",
                 "wall that takes what impacts lose: restitution e; 0 to 1 (OpenFOAM's tools want a value, too)",
                 granular_param),
-     FIELDS(true, false), .transport = true, .ghost = copy, .heat = granular_heat},
+     FIELDS(true, false), .transport = true, .ghost = copy, .heat = granular_heat, .friction = granular_friction},
     {MODEL_WITH("JohnsonJacksonSlip",
                 "wall with friction: specularityCoefficient and restitutionCoefficient, 0 to 1, in U and in T alike",
                 rough_param),
      FIELDS(true, true), .value = {NULL, "value"}, .wall = true, .transport = true, .ghost = flip_normal,
-     .velocity = velocity_given, .drag = rough_drag, .heat = rough_heat, .objection = rough_objection},
+     .velocity = velocity_given, .drag = rough_drag, .heat = rough_heat, .friction = rough_friction,
+     .objection = rough_objection},
     {MODEL("zeroGradient", "in- or outflow of the cell's own state"), FIELDS(true, true), .ghost = copy},
     {MODEL("fixedValue", "given value"), FIELDS(true, true), VALUES("value"), .ghost = fixed, .heat = half_way,
      .temperature = temperature_given},
@@ -258,7 +302,7 @@ bool boundary_is_wall(const struct boundary_type *t) {
 }
 
 bool boundary_is_smooth(const struct boundary_type *t) {
-    return t && t->wall && !t->drag;
+    return t && t->wall && !t->drag && !t->friction;
 }
 
 bool boundary_takes(const struct boundary_type *t, int components) {
@@ -360,6 +404,19 @@ void wall_velocity(const struct patch_rules *r, int components, int face, double
 double wall_temperature(const struct patch_rules *r, int face) {
     const struct rule *rule = &r->temperature;
     return rule->type->temperature ? rule->type->temperature(rule, face) : 0;
+}
+
+static double said_friction(const struct rule *rule) {
+    return rule->type && rule->type->friction ? rule->type->friction(rule) : UNSAID;
+}
+
+bool rule_rubs(const struct rule *rule) {
+    return said_friction(rule) >= 0;
+}
+
+double wall_friction(const struct patch_rules *r) {
+    const double by_velocity = said_friction(&r->velocity), by_temperature = said_friction(&r->temperature);
+    return by_velocity >= 0 ? by_velocity : by_temperature >= 0 ? by_temperature : wall_drags(r) ? HUGE_VAL : 0;
 }
 
 static void find_share(void (*share_of)(const struct rule *, const struct wall_line *, double *), bool any,

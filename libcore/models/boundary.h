@@ -62,7 +62,7 @@ struct wall_line { /* n <= BATCH cells at a wall of a gas with transport */
 enum giving { BY_LIST, BY_FUNCTION, BY_EXPRESSION, BY_RATE };
 
 struct boundary_type {
-    struct model model;   /* its parameters, numbers and vectors without defaults, fill the params of a rule */
+    struct model model;   /* its parameters, numbers and vectors, fill the params of a rule */
     bool scalar, vector;  /* is the row allowed for scalars? for vectors? */
     const char *value[2]; /* keyword of the values that a scalar, or a vector, needs besides; NULL: it needs none */
     enum giving giving;
@@ -78,6 +78,8 @@ struct boundary_type {
     void (*heat)(const struct rule *rule, const struct wall_line *line, double *share);
     /* Returns T of a wall at a face; NULL: the wall takes heat in proportion to T of the gas alone. */
     double (*temperature)(const struct rule *rule, int face);
+    /* Returns the coefficient of friction of packed gas on the wall, < 0: it says nothing; NULL: it never does. */
+    double (*friction)(const struct rule *rule);
     /* Returns why the rules of a patch cannot stand together, NULL if they can; a NULL function never objects. */
     const char *(*objection)(const struct patch_rules *rules);
 };
@@ -141,6 +143,12 @@ bool wall_conducts(const struct patch_rules *r); /* does heat cross the wall? */
 /* Velocity (m/s) and T of a wall at a face; 0 where the functions of the rows are NULL. */
 void wall_velocity(const struct patch_rules *r, int components, int face, double out[3]);
 double wall_temperature(const struct patch_rules *r, int face);
+/* Returns the coefficient of friction of packed gas that slips on a wall (docs/physics.md 5.9): `muWall`, as the
+ * velocity or else the temperature has it; else HUGE_VAL on a wall that drags, where the gas yields before it slips,
+ * and 0 on a smooth one. */
+double wall_friction(const struct patch_rules *r);
+/* Does a rule say that coefficient? */
+bool rule_rubs(const struct rule *rule);
 /* Computes the shares `drag` and `heat` of the line's faces, and the line's results. Where gas slips along a wall
  * friction heats it, so that its T on the wall follows from the drag, and the drag from that T. */
 void wall_shares(const struct patch_rules *r, struct wall_line *line, double *drag, double *heat);

@@ -123,7 +123,7 @@ struct model {
 /* Room for the parameters of any row of a table whose rows have parameters of their own. The row's functions copy them
  * into the row's own struct, which must fit. */
 struct own_params {
-    double room[8];
+    double room[10];
 };
 #define OWN_PARAMS_FIT(type) _Static_assert(sizeof(type) <= sizeof(struct own_params), #type " is too large")
 

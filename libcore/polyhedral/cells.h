@@ -225,7 +225,8 @@ void cells_shear_rate(struct gas *g, const struct state *s);
 status cells_diffuser_make(struct gas *g);
 void cells_diffuser_free(struct cells_diffuser *d);
 void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
-void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
+void cells_diffusion_rates_row(const struct gas *g, enum diffusing what, const double *rho, const struct row *row,
+                               double *rate);
 void cells_diffusion_ghosts(struct gas *g, const struct state *s);
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],

@@ -140,10 +140,13 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= g->diffusion.warm[0][at + i];
         for (int i = 0; i < n && !g->diffusion.ahead; i++) g->diffusion.warm[0][at + i] = T[i];
         const struct gas_models *models = &g->models;
-        const struct closure_line cells = {
-            models->eos, &models->material, n, rho + at, T, shear_rate_at(g, models->transport->needs, 0, at)};
-        models->transport->coefficients(&models->transport_params, &cells, d->cell[0] + at, d->cell[1] + at,
-                                        d->cell[2] + at);
+        const struct closure_line cells = {.eos = models->eos,
+                                           .material = &models->material,
+                                           .n = n,
+                                           .rho = rho + at,
+                                           .T = T,
+                                           .shear_rate = shear_rate_at(g, models->transport->needs, 0, at)};
+        transport_row(g, &cells, d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
         if (g->diffusion.dilation)
             models->transport->dilation(&models->transport_params, &cells, g->diffusion.dilation[0] + at);
     }
@@ -202,15 +205,13 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     find_rates(g, U[0], most);
 }
 
-void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double rate[2], cell = HUGE_VAL;
-    for (int i = 0; i < m->nown; i++) {
-        cell_rates(g, i, Y0->block[0][i], rate);
-        if (rate[what] == wanted) cell = smaller(cell, m->cell[i]);
+void cells_diffusion_rates_row(const struct gas *g, enum diffusing what, const double *rho, const struct row *row,
+                               double *rate) {
+    for (int i = 0; i < row->n; i++) {
+        double both[2];
+        cell_rates(g, (int)row->at + i, rho[row->at + i], both);
+        rate[i] = both[what];
     }
-    comm_min(g->comm, &cell, 1);
-    polyhedra_place(m, isfinite(cell) ? (long)cell : -1, place);
 }
 
 /* ---- S and its gradients ------------------------------------------------------------------------------------------

@@ -47,7 +47,7 @@ static bool hopeless(const struct gas *g) {
 
 /* Is a step of dt one with implicit acoustics? allowed: the explicit step. */
 static bool takes_bed(const struct gas *g, double dt, double allowed) {
-    return g->dense && g->dense->longest > 0 && dt > allowed;
+    return g->dense && g->dense->longest > 0 && (dt > allowed || g->dense->bed.rub);
 }
 
 static bool try_step(struct gas *g, struct attempt *a) {

@@ -26,7 +26,6 @@ const struct field_kind field_kinds[FIELD_COUNT] = {
 };
 
 /* ---- keywords ---- */
-
 #define VALUE_TYPE "uniform VALUE, or nonuniform List<scalar> or List<vector>"
 static const struct param field_param[] = {
     NOTED("dimensions", "dimensions", NULL, "exponents of kg m s K mol A cd", "dimensions [0 1 -1 0 0 0 0];"),
@@ -332,6 +331,9 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
 }
 
 static status read_parameter(struct dict *d, const struct param *p, double *out) {
+    const bool given = isnan(p->standard) || dict_has(d, p->name);
+    for (int k = 0; !given && k < (p->kind == PARAM_VECTOR ? 3 : 1); k++) out[k] = p->standard;
+    if (!given) return OK;
     if (p->kind == PARAM_VECTOR) return dict_vector(d, p->name, p->unit, out);
     TRY(dict_number(d, p->name, p->unit, out));
     return *out >= p->low && *out <= p->high ? OK
@@ -604,11 +606,10 @@ static status check_patch(struct field *f, const struct field_place *place, int 
 }
 
 status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure) {
-    const bool open = cure != NULL;
-    f->range =
-        (struct varying_range){open ? low : nextafter(low, -HUGE_VAL), open ? high : nextafter(high, HUGE_VAL), ""};
+    const double step = cure ? 0 : HUGE_VAL;
+    f->range = (struct varying_range){nextafter(low, low - step), nextafter(high, high + step), ""};
     snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s",
-             low, high, open ? cure : "");
+             low, high, cure ? cure : "");
     for (long i = 0; i < field_ncells(place); i++)
         if (!(f->values[i] > f->range.low && f->values[i] < f->range.high))
             return field_fail(f, place, i, "it must %s", f->range.allowed);

@@ -66,9 +66,10 @@ static status leave_coeffs(const struct family *k, struct dict *d, const struct 
 }
 
 /* d NULL: the row was chosen without a dictionary, and its parameters are the defaults. */
-static status read_params(struct dict *d, const struct model *row, void *params) {
+static status read_params(const struct family *k, struct dict *d, const struct model *row, void *params) {
     struct dict *sub = NULL, *none = NULL;
     char name[128];
+    if (d && k->flat) return params_read(d, row->param, row->nparam, params);
     if (d) TRY(find_coeffs(d, row, &sub));
     snprintf(name, sizeof name, "%sCoeffs", row->name);
     for (int p = 0; d && p < row->nparam; p++) dict_belongs(d, row->param[p].name, name);
@@ -103,7 +104,7 @@ static status read_named(const struct family *k, struct dict *d, const char *wor
     for (int p = 0; p < row->nparam && !sub; p++)
         if (isnan(row->param[p].standard))
             return dict_fail(d, k->key, "%s needs the dictionary  %sCoeffs { %s ..; }", word, word, row->param[p].name);
-    return row->nparam > 0 ? read_params(d, row, &own[i]) : OK;
+    return row->nparam > 0 ? read_params(k, d, row, &own[i]) : OK;
 }
 
 static status read_list(const struct family *k, struct dict *d, void *base) {
@@ -123,13 +124,20 @@ static status read_list(const struct family *k, struct dict *d, void *base) {
     return OK;
 }
 
+/* Marks the parameters of all rows, which stand beside a row of a flat family that has none. */
+static void pass_params(const struct family *k, const struct dict *d) {
+    for (int i = 0; i < *k->count; i++)
+        for (int p = 0; p < row_of(k, i)->nparam; p++) (void)dict_has(d, row_of(k, i)->param[p].name);
+}
+
 static status read_one(const struct family *k, struct dict *d, void *base) {
     const struct model *row;
     TRY(choose(k, d, &row));
     memcpy((char *)base + k->chosen, &row, sizeof row);
     if (k->suits) TRY(k->suits(d, base));
-    if (d) TRY(leave_coeffs(k, d, row));
-    return row && row->nparam > 0 ? read_params(d, row, (char *)base + k->params) : OK;
+    if (d && k->flat && row->nparam == 0) pass_params(k, d);
+    if (d && !k->flat) TRY(leave_coeffs(k, d, row));
+    return row && row->nparam > 0 ? read_params(k, d, row, (char *)base + k->params) : OK;
 }
 
 status family_read(const struct family *k, struct dict *d, void *base) {
@@ -139,13 +147,16 @@ status family_read(const struct family *k, struct dict *d, void *base) {
 }
 
 status family_leave(const struct family *k, struct dict *d) {
+    if (k->sub) TRY(dict_sub_optional(d, k->sub, &d));
+    if (d && k->sub) dict_mark_used(d);
+    if (k->sub) return OK;
     (void)dict_has(d, k->key);
     return leave_coeffs(k, d, NULL);
 }
 
 static void list_row(FILE *f, const struct family *k, const struct model *row) {
     fprintf(f, "  %-20s %s", row->name, row->about);
-    if (row->nparam > 0) fprintf(f, "; %sCoeffs { }", row->name);
+    if (row->nparam > 0 && !k->flat) fprintf(f, "; %sCoeffs { }", row->name);
     fprintf(f, "%s\n", !k->sub && k->standard && !strcmp(row->name, k->standard) ? " (default)" : "");
     params_print(f, row->param, row->nparam);
 }
@@ -176,7 +187,7 @@ void family_print(FILE *f, const struct family *k, const void *base) {
         return;
     }
     const struct model *row = chosen_of(k, base);
-    if (!row && k->tacit) return;
+    if (k->tacit && (!row || !strcmp(row->name, "none"))) return;
     fprintf(f, "    %-22s %s\n", k->sub ? k->sub : k->key, row ? row->name : "none");
     if (row) params_print_values(f, row->param, row->nparam, (const char *)base + k->params);
 }

@@ -3,7 +3,8 @@
  * loop over a table of families reads, prints and lists them all.
  *
  * A row begins with struct model (libcore/models/param.h). Its parameters stand in the dictionary NAMECoeffs { } beside
- * the keyword; those of rows that are not chosen may stay in the file. */
+ * the keyword; those of rows that are not chosen may stay in the file. Those of a flat family stand beside the keyword
+ * itself; all are allowed beside a row that has none. */
 #ifndef SOLVERS_FAMILY_H
 #define SOLVERS_FAMILY_H
 
@@ -23,7 +24,8 @@ struct family {
     const char *none;     /* what the word `none` means, which chooses no row; NULL: the word is not allowed */
     const char *standard; /* row that is chosen where the keyword is missing */
     bool must;            /* the keyword may not be missing; else, without a standard, no row is chosen */
-    bool tacit;           /* `none` is not printed */
+    bool flat;            /* parameters stand in `sub` itself */
+    bool tacit;           /* `none`, as a word or a row, is not printed */
     size_t chosen;        /* offset of the pointer to the row, NULL: none, in the struct that is filled */
     size_t params;        /* offset of the struct that the parameters of the row fill */
     /* The keyword holds a list (a b ..) of the rows that are `offered` (NULL: all), or is missing: none. Then chosen is
@@ -40,7 +42,7 @@ struct family {
 
 /* Reads the keyword and the row's parameters from d, the file's dictionary, into the struct at base. */
 status family_read(const struct family *k, struct dict *d, void *base);
-/* Marks the keyword and all NAMECoeffs as known, for programs that leave the family to others. */
+/* Marks the keyword (or `sub`) and all NAMECoeffs as known, for programs that leave the family to others. */
 status family_leave(const struct family *k, struct dict *d);
 
 /* Returns row i of the table, NULL if it is not offered. */

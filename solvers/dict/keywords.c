@@ -143,7 +143,10 @@ static void family_word(struct keywords *k, const struct family *f, const struct
     char inside[KEYWORD_TEXT] = "", entry[KEYWORD_ENTRY];
     keywords_entries(inside, m->param, m->nparam);
     const size_t used = (size_t)snprintf(entry, sizeof entry, f->list ? "%s (%s);" : "%s %s;", f->key, m->name);
-    if (*inside) snprintf(entry + used, sizeof entry - used, " %sCoeffs { %s }", m->name, inside);
+    if (*inside && f->flat)
+        snprintf(entry + used, sizeof entry - used, " %s", inside);
+    else if (*inside)
+        snprintf(entry + used, sizeof entry - used, " %sCoeffs { %s }", m->name, inside);
     keywords_word(k, f->key, m->name, m->about, entry);
 }
 
@@ -182,7 +185,7 @@ void keywords_coeffs(struct keywords *k, const struct family *f) {
         const struct model *m = family_row(f, i);
         if (!m || m->nparam == 0) continue;
         snprintf(dict, sizeof dict, "%s%s%sCoeffs", f->sub ? f->sub : "", f->sub ? "/" : "", m->name);
-        keywords_at(k, f->file, dict, NULL);
+        keywords_at(k, f->file, f->flat ? f->sub : dict, f->flat ? m->name : NULL);
         keywords_params(k, m->param, m->nparam);
     }
 }

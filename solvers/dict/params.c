@@ -117,6 +117,7 @@ static void print_allowed(const struct param *p, char standard[32], char allowed
         snprintf(standard, 32, "%s", chosen < 0 ? "-" : p->words[chosen]);
         print_words(p, chosen, allowed, 128);
     }
+    if (p->usual) snprintf(standard, 32, "%s", p->usual);
     if (isnan(p->standard)) snprintf(standard, 32, "required");
 }
 

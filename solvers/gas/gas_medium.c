@@ -644,6 +644,7 @@ static status gas_medium_budget(struct medium *m, struct budget_row *out) {
     for (int i = 0; i < source_count; i++)
         if (source_row_active(&models->source, &models->material, i))
             budget_add(out, source_table[i].cause, b.sourced[i]);
+    if (gas_rubs(models)) budget_add(out, "friction", b.gained[GAS_CONTACTS]);
     budget_add(out, "cooling", b.gained[GAS_DILATION]); /* it is the part of cooling that goes with div u */
     for (int axis = 0; axis < 3; axis++)
         for (int k = 0; k < m->setup->components; k++)

@@ -392,6 +392,16 @@ static status check_viscous(const struct initial_reader *r, const struct field *
                 dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name, type->model.name);
 }
 
+/* Fails on a coefficient of friction of a wall in a gas that has no friction. */
+static status check_friction(const struct initial_reader *r, const struct field *f, int p, const struct rule *rule) {
+    if (!rule_rubs(rule) || friction_acts(r->models->friction)) return OK;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: %s is '%s' with muWall, which is nothing to a gas without friction; give  friction { "
+                "type muI; }  in constant/granularProperties, or here slip, or a wall without muWall",
+                dict_path(f->dict), f->patch[p].line, r->place->mesh->patch[p].name, f->kind->name,
+                rule->type->model.name);
+}
+
 /* Fails on a patch that is no wall by U if it is one in the mesh, or if a scalar's type belongs to walls, as
  * granularWall does. */
 static status check_open(const struct initial_reader *r, struct initial *s, int p, enum field_id density,
@@ -458,6 +468,8 @@ static status take_patch(const struct initial_reader *r, struct initial *s, int 
     TRY(check_viscous(r, s->field[FIELD_U], p));
     TRY(check_viscous(r, s->field[thermal], p));
     if (!rules->velocity.type) return OK;
+    TRY(check_friction(r, s->field[FIELD_U], p, &rules->velocity));
+    TRY(check_friction(r, s->field[thermal], p, &rules->temperature));
     TRY(check_feed(r, s, p));
     if (!patch_is_wall(rules)) return check_open(r, s, p, density, thermal);
     if (rules->velocity.type->velocity) TRY(check_tangential(r, s->field[FIELD_U], p));

@@ -42,6 +42,7 @@ static const struct param shaking_param[] = {
 #define PARAM_STRUCT struct case_models
 static const struct param properties_param[] = {
     NOTED("grain", "dictionary", NULL, "the grains", "grain { diameter 1e-3; restitution 0.9; }"),
+    NOTED("friction", "dictionary", "none", "of grains that stay in contact", "friction { type muI; muStatic 0.38; }"),
     NOTED("carried", "dictionary", "none", "scalars that ride with the gas, by the names of their fields",
           "carried { dye { type passive; } }"),
 };
@@ -85,17 +86,24 @@ static status eos_suits(struct dict *d, void *base) {
     return OK;
 }
 static status eos_holds(struct dict *d, void *base) {
-    const struct gas_models *m = &((struct case_models *)base)->gas;
+    struct gas_models *m = &((struct case_models *)base)->gas;
+    if (m->eos->packing && m->material.alpha_max == 0) m->material.alpha_max = m->eos->packing(m->material.friction);
     const char *objection = eos_objection(m->eos, &m->material);
     return objection ? dict_fail(d, "equationOfState", "%s", objection) : OK;
 }
 
 static status cooling_suits(struct dict *d, void *base) {
     const struct case_models *m = base;
-    if (dict_has(d, "cooling") || m->gas.material.restitution >= 1) return OK;
+    const struct material *grains = &m->gas.material;
+    const struct cooling *law = m->source.cooling;
+    if (law && !(law->valid & shape_of(grains)))
+        return dict_fail(d, "cooling", "%s is for %s, equationOfState %s for %s", law->model.name,
+                         grains->disks ? "spheres" : "disks", m->gas.eos->model.name,
+                         grains->disks ? "disks" : "spheres");
+    if (dict_has(d, "cooling") || effective_restitution(grains) >= 1) return OK;
     return fail(ERR_INPUT,
                 "%s: keyword 'cooling' is missing; with restitution %g say  cooling Haff;  or  cooling none;",
-                dict_path(d), m->gas.material.restitution);
+                dict_path(d), effective_restitution(grains));
 }
 
 /* Is the source chosen by name? A source that has an entry of its own is not. */
@@ -115,6 +123,26 @@ static status transport_suits(struct dict *d, void *base) {
     return OK;
 }
 
+static status friction_suits(struct dict *d, void *base) {
+    const struct gas_models *m = &((struct case_models *)base)->gas;
+    if (!friction_acts(m->friction) || m->eos->bounded) return OK;
+    return dict_fail(d, "type",
+                     "friction is for gas near packing, and %s has no alphaMax: say  type none;  or choose "
+                     "another equationOfState",
+                     m->eos->model.name);
+}
+
+static status friction_holds(struct dict *d, void *base) {
+    struct case_models *m = base;
+    m->gas.friction_params = friction_params(&m->friction, &m->gas.material);
+    if (!friction_acts(m->gas.friction)) return OK;
+    if (dict_has(d, "muStatic") && dict_has(d, "frictionAngle"))
+        return dict_fail(d, "frictionAngle", "muStatic = sin frictionAngle is given, too: leave one of them out");
+    friction_complete(&m->friction, &m->gas.material);
+    const char *objection = friction_objection(&m->gas.friction_params);
+    return objection ? dict_fail(d, "type", "%s", objection) : OK;
+}
+
 static status diffusion_suits(struct dict *d, void *base) {
     struct gas_models *m = &((struct case_models *)base)->gas;
     status missing = m->transport && !m->diffusion->plan ? linear_load(&m->linear) : OK, s = OK;
@@ -125,6 +153,11 @@ static status diffusion_suits(struct dict *d, void *base) {
 
 static status acoustics_suits(struct dict *d, void *base) {
     const struct gas_models *m = &((struct case_models *)base)->gas;
+    if (friction_acts(m->friction) && !m->acoustics->implicit)
+        return dict_fail(d, "type",
+                         "friction %s acts in implicit acoustic steps alone: say  type automatic;  or  type implicit;  "
+                         "or  friction { type none; }  in constant/granularProperties",
+                         m->friction->model.name);
     if (!m->acoustics->implicit || m->acoustics->automatic || m->eos->bounded) return OK;
     return dict_fail(d, "type",
                      "implicit acoustics are for gas near packing, and %s has no alphaMax: say  type explicit;",
@@ -141,6 +174,7 @@ enum {
     EOS,
     COOLING,
     TRANSPORT,
+    FRICTION,
     SOURCES,
     FLUX,
     RECONSTRUCT,
@@ -162,6 +196,10 @@ static const struct family families[FAMILIES] = {
     [TRANSPORT] = {PROPERTIES, "transport", .meaning = "viscosity and heat conduction", FAMILY_ROWS(transport),
                    .key = "transport", .none = "inviscid", .tacit = true, .chosen = MEMBER(gas.transport),
                    .params = MEMBER(gas.transport_params), .suits = transport_suits},
+    [FRICTION] = {PROPERTIES, "friction { type .. }", .meaning = "friction of grains that stay in contact",
+                  .usual = "none without the dictionary", FAMILY_ROWS(friction), .sub = "friction", .key = "type",
+                  .standard = "none", .flat = true, .tacit = true, .chosen = MEMBER(gas.friction),
+                  .params = MEMBER(friction), .suits = friction_suits, .holds = friction_holds},
     [SOURCES] = {PROPERTIES, "sources ( .. )", .meaning = "what acts on the gas besides gravity and impacts",
                  FAMILY_ROWS(source), .key = "sources", .list = true, .offered = source_offered,
                  .chosen = MEMBER(source.on), .params = MEMBER(source.params)},
@@ -419,8 +457,8 @@ static void go_through(struct keywords *k, const char *file, const struct param 
 void models_leave_keywords(struct keywords *k) {
     keywords_at(k, PROPERTIES, "", NULL);
     for (int i = 0; i < FAMILIES; i++) {
-        const struct param row =
-            IGNORED(families[i].key, i == EOS ? "for granularGas and a settledLayer" : "for granularGas");
+        const struct param row = IGNORED(families[i].sub ? families[i].sub : families[i].key,
+                                         i == EOS ? "for granularGas and a settledLayer" : "for granularGas");
         if (stands_in(&families[i], PROPERTIES) && !families[i].list) keywords_params(k, &row, 1);
     }
     const struct param carried = IGNORED("carried", "for granularGas");

@@ -25,6 +25,7 @@ struct case_models {
     const struct mesh_engine *engine; /* the engine asked for, which the mesh may forbid; NULL: as the mesh is */
     struct sources source;            /* sources of constant/granularProperties alone, vectors along physical axes */
     struct gas_models gas;
+    struct own_params friction; /* the entries that gas.friction_params are made of, with their defaults */
     struct carried_choice carried[CARRIED_MOST]; /* those of `gas` */
     struct forces forces;
     double min_fraction; /* fraction of the time step of loose gas below which the gas has collapsed */

@@ -176,11 +176,17 @@ static void print_list(struct sink *s, const struct foam_format *f, int componen
     sink_printf(s, ";\n");
 }
 
-/* Prints the parameters of a type with all digits, because the next start reads them. */
+/* Has a parameter the value that it has if it is not given? */
+static bool is_standard(const struct param *p, const double *v) {
+    return v[0] == p->standard && (p->kind != PARAM_VECTOR || (v[1] == p->standard && v[2] == p->standard));
+}
+
+/* Prints the parameters of a type that are no defaults with all digits, because the next start reads them. */
 static void print_parameters(struct sink *s, const struct model *m, const struct patch_field *q) {
     for (int i = 0; i < m->nparam; i++) {
         if (q->varying && !strcmp(varying_key(q->varying), m->param[i].name)) continue; /* the rule is printed */
         const double *v = q->params.room + m->param[i].offset / sizeof(double);
+        if (is_standard(&m->param[i], v)) continue;
         sink_printf(s, "        %-15s ", m->param[i].name);
         if (m->param[i].kind == PARAM_VECTOR)
             sink_printf(s, "(%.17g %.17g %.17g);\n", v[0], v[1], v[2]);

@@ -175,7 +175,7 @@ static void values_per_face(void **state) {
 
 static void names(void **state) {
     (void)state;
-    assert_int_equal(boundary_count, 14); /* a new row needs its test here */
+    assert_int_equal(boundary_count, 15); /* a new row needs its test here */
     for (int k = 0; k < boundary_count; k++) {
         assert_ptr_equal(boundary_find(boundary_table[k].model.name), &boundary_table[k]);
         assert_true(boundary_table[k].scalar || boundary_table[k].vector);
@@ -192,8 +192,38 @@ static void parameters(void **state) {
             const size_t size = p->kind == PARAM_VECTOR ? 3 * sizeof(double) : sizeof(double);
             assert_true(p->kind == PARAM_VECTOR || p->kind == PARAM_NUMBER);
             assert_true(p->offset % sizeof(double) == 0 && p->offset + size <= sizeof(struct own_params));
-            assert_true(isnan(p->standard) && p->low < p->high);
+            assert_true(p->low < p->high);
         }
+}
+
+/* Packed gas: muWall of the velocity or else of the temperature; without it walls that drag are rough. */
+static void friction_of_packed_gas(void **state) {
+    (void)state;
+    const struct {
+        const char *U, *T;
+        double of_U[4], of_T[4], mu; /* of_U: parameters in the order of the row's struct */
+    } walls[] = {{"slip", "zeroGradient", {0}, {0}, 0},
+                 {"noSlip", "fixedValue", {0}, {0}, HUGE_VAL},
+                 {"translatingWallVelocity", "zeroGradient", {1, 0, 0}, {0}, HUGE_VAL},
+                 {"frictionalSlip", "zeroGradient", {1, 2, 3, 0.3}, {0}, 0.3},
+                 {"frictionalSlip", "granularWall", {0, 0, 0, 0}, {0.9, 0.4}, 0},
+                 {"JohnsonJacksonSlip", "fixedValue", {0.5, 0.9, 0.25}, {0}, 0.25},
+                 {"JohnsonJacksonSlip", "fixedValue", {0.5, 0.9, -1}, {0}, HUGE_VAL},
+                 {"noSlip", "granularWall", {0}, {0.9, 0.4}, 0.4},
+                 {"slip", "granularWall", {0}, {0.9, -1}, 0}};
+    for (size_t i = 0; i < sizeof walls / sizeof *walls; i++) {
+        struct patch_rules r = {.velocity = {.type = boundary_find(walls[i].U)},
+                                .temperature = {.type = boundary_find(walls[i].T)}};
+        memcpy(&r.velocity.params, walls[i].of_U, sizeof walls[i].of_U);
+        memcpy(&r.temperature.params, walls[i].of_T, sizeof walls[i].of_T);
+        assert_true(wall_friction(&r) == walls[i].mu);
+    }
+    struct rule moving = {.type = boundary_find("frictionalSlip"), .params = {{1, 2, 3, 0.3}}};
+    double w[3];
+    wall_velocity(&(struct patch_rules){.velocity = moving}, 3, 0, w);
+    assert_true(w[0] == 1 && w[1] == 2 && w[2] == 3 && rule_rubs(&moving));
+    moving.type = boundary_find("noSlip");
+    assert_false(rule_rubs(&moving));
 }
 
 /* ---- walls of a gas with transport ---- */
@@ -255,7 +285,7 @@ static void shares(void **state) {
             const struct patch_rules r = rules_of(U, T);
             if (!U->vector || !T->scalar || !patch_is_wall(&r)) continue;
             assert_false(patch_needs_values(&r));
-            assert_true(wall_drags(&r) == !boundary_is_smooth(U));
+            assert_true(wall_drags(&r) == (!boundary_is_smooth(U) && strcmp(U->model.name, "frictionalSlip") != 0));
             sliding += wall_slides(&r);
             const struct found f = at_walls(&r, 0.1);
             for (int i = 0; i < CELLS; i++) {
@@ -337,6 +367,7 @@ int main(void) {
         cmocka_unit_test(moving_walls),
         cmocka_unit_test(names),
         cmocka_unit_test(parameters),
+        cmocka_unit_test(friction_of_packed_gas),
         cmocka_unit_test(shares),
         cmocka_unit_test(friction_and_losses_balance),
         cmocka_unit_test(friction_has_limits),
