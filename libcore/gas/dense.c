@@ -57,8 +57,7 @@ static status make_kept(const struct gas *g, struct dense *d) {
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
     if (!gas_may_be_dense(m) || !g->engine->bed.make) return OK;
-    /* beds cannot be given mass, and do not say what mass crosses their faces */
-    if (((g->patches.fed && !gas_rubs(m)) || m->ncarried > 0) && m->acoustics->automatic) return OK;
+    if (g->patches.fed && !gas_rubs(m) && m->acoustics->automatic) return OK; /* beds cannot be given mass */
     TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
     struct dense *d = g->dense;
     d->bed = (struct bed){.eos = m->eos,
@@ -67,7 +66,8 @@ status dense_make(struct gas *g) {
                           .params = acoustics_params(&m->acoustics_params),
                           .dim = g->dim,
                           .components = g->components,
-                          .limit = g->limits.most};
+                          .limit = g->limits.most,
+                          .carries = m->ncarried > 0};
     if (gas_rubs(m))
         d->bed.friction = (struct friction_use){m->friction, m->friction_params,
                                                 m->material.diameter / sqrt(packing_per_density(&m->material))};

@@ -511,17 +511,11 @@ static void gas_block(const struct medium *m, int block, int quantity, double *c
 
 static void gas_edge_values(const struct medium *m, int quantity, int patch, int n, const struct edge_face *face,
                             double *values) {
-    const int carried = gas_carried(quantity);
-    if (carried >= 0)
-        gas_carried_edge(&of(m)->initial->rules[patch].carried[carried], m->setup, n, face, values);
-    else
-        gas_view_edge(&of(m)->view, quantity, patch, n, face, values);
+    gas_view_edge(&of(m)->view, &of(m)->initial->rules[patch], quantity, patch, n, face, values);
 }
 
 static bool gas_gives(const struct medium *m, int quantity, int patch) {
-    const struct patch_rules *rules = &of(m)->initial->rules[patch];
-    if (gas_carried(quantity) >= 0) return rule_fixes(&rules->carried[gas_carried(quantity)]);
-    return gas_rules_give(rules, &of(m)->models->gas, quantity);
+    return gas_rules_give(&of(m)->initial->rules[patch], &of(m)->models->gas, quantity);
 }
 
 static bool gas_uniform(const struct medium *m, int block, int quantity, double value[3]) {

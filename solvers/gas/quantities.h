@@ -63,13 +63,10 @@ void gas_view_block(const struct gas_view *v, int block, int quantity, double *c
 void gas_view_exact(const struct gas_view *v, int block, int quantity, double *const out[3]);
 bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double value[3]);
 
-/* As the hook edge of a medium, with its edge_state: rho, U, T. */
+/* As the hook edge of a medium, with its edge_state: rho, U, T. r: of the patch. */
 extern const int gas_edge_state[];
-void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, const struct edge_face *face,
-                   double *values);
-/* The same of a carried quantity, by its rule. */
-void gas_carried_edge(const struct rule *rule, const struct setup *s, int n, const struct edge_face *face,
-                      double *values);
+void gas_view_edge(const struct gas_view *v, const struct patch_rules *r, int quantity, int patch, int n,
+                   const struct edge_face *face, double *values);
 /* Is a quantity given on a patch of these rules, whatever is in the cells? p is where rho and T are, on no wall. */
 bool gas_rules_give(const struct patch_rules *r, const struct gas_models *models, int quantity);
 
