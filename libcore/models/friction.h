@@ -19,7 +19,7 @@ struct friction_params {                /* of any row; what a row does not have 
     double modulus;                     /* shear modulus of packed gas, in units of the greatest pressure of the bed */
     double cohesion;                    /* Pa, for disks N/m: adds to the yield stress */
     double surface_cohesion;            /* k of the numerical cohesion of surface cells */
-    double heating;                     /* chi: part of the work of friction that heats the gas; 0 .. 1 */
+    double heating;                     /* part of the work of friction that heats the gas; 0 .. 1 */
 };
 
 struct friction {
