@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The memory of a bed, its primitive variables, and the order of the parts of a step. */
-#include "libcore/acoustics/bed_private.h"
+#include "libcore/acoustics/bed_friction.h"
 
 #include <stdlib.h>
 
@@ -12,16 +12,30 @@ static double *cut_lines(double *at, long n, double **line, int lines) {
 
 status bed_set_blocks(struct bed_set *s, int blocks) {
     TRY(ARRAYS_GROW(&s->arrays, s->first, 2L * blocks + 1));
-    TRY(ARRAYS_GROW(&s->arrays, s->lift, 4L * blocks));
+    TRY(ARRAYS_GROW(&s->arrays, s->lift, 5L * blocks));
     TRY(ARRAYS_GROW(&s->arrays, s->peak_cell, blocks));
     s->number = s->first + blocks + 1;
     s->work = s->lift + blocks;
-    s->pushed = s->work + blocks;
+    s->rubbed = s->work + blocks;
+    s->pushed = s->rubbed + blocks;
     s->peak = s->pushed + blocks;
     return OK;
 }
 
-status bed_set_size(struct bed_set *s, int variables, int faces, int sides) {
+/* Makes room for what friction keeps. */
+static status friction_size(const struct bed *b, struct bed_set *s, int faces) {
+    const int tensors = bed_tensors(b->components);
+    if (!b->rub) return OK;
+    TRY(ARRAYS_GROW(&s->arrays, s->pressure, s->cells));
+    TRY(ARRAYS_GROW(&s->arrays, s->stress[0], (tensors + b->components + 1L) * faces));
+    double *at = cut_lines(s->stress[0], faces, s->stress, tensors);
+    at = cut_lines(at, faces, s->wall_speed, b->components);
+    s->wall_friction = at;
+    return OK;
+}
+
+status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides) {
+    const int variables = b->components + 2;
     const long cells = (long)s->cells + s->ghosts;
     double *at;
     TRY(ARRAYS_GROW(&s->arrays, s->body, 2 * cells + 1));
@@ -37,7 +51,7 @@ status bed_set_size(struct bed_set *s, int variables, int faces, int sides) {
     at = cut_lines(s->face_lines, faces, s->kept, variables);
     at = cut_lines(at, faces, s->outside, variables);
     s->holds = cut_lines(at, faces, s->balance, 2);
-    return OK;
+    return friction_size(b, s, faces);
 }
 
 /* Makes room to compute the present set. */
@@ -59,6 +73,12 @@ static status make_lines(struct bed *b) {
     x->link = x->link_first + s->cells + 1;
     for (int i = 0; i < OF_CELL; i++) *of_cell[i] = x->cells + i * cells;
     for (int i = 0; i < OF_FACE; i++) *of_face[i] = x->faces + (long)i * s->faces;
+    if (b->rub) {
+        TRY(ARRAYS_GROW(&x->arrays, x->push, (1L + b->components) * s->faces));
+        TRY(ARRAYS_GROW(&x->arrays, x->rubbed[0], b->components * cells));
+        cut_lines(x->push + s->faces, s->faces, x->traction, b->components);
+        cut_lines(x->rubbed[0], cells, x->rubbed, b->components);
+    }
     double *at = cut_lines(x->cells + OF_CELL * cells, cells, x->u, b->components);
     at = cut_lines(at, cells, x->after, variables);
     for (int k = 0; k < b->dim; k++) at = cut_lines(at, cells, x->slope[k], variables);
@@ -69,12 +89,13 @@ status bed_list(struct bed *b, int sides) {
     struct bed_set *s = b->home;
     s->cells = s->first[s->blocks];
     b->stage = BED_NEW;
-    TRY(comm_agree(b->comm, bed_set_size(s, b->components + 2, sides, sides)));
+    TRY(comm_agree(b->comm, bed_set_size(b, s, sides, sides)));
     return bed_deal_blocks(b, sides);
 }
 
 status bed_make(struct bed *b, int blocks) {
     TRY(allocate(&b->lines, 1, sizeof *b->lines, "the bed"));
+    TRY(bed_friction_make(b));
     TRY(multigrid_make(b->comm, &b->multigrid));
     b->home = &b->set;
     if (comm_size(b->comm) > 1) TRY(bed_deal_make(b));
@@ -84,6 +105,7 @@ status bed_make(struct bed *b, int blocks) {
 void bed_free(struct bed *b) {
     if (b->lines) arrays_free(&b->lines->arrays);
     free(b->lines);
+    bed_friction_free(b->rub);
     arrays_free(&b->set.arrays);
     multigrid_free(b->multigrid);
     bed_halo_free(b->halo);
@@ -162,6 +184,7 @@ static status prepare(struct bed *b) {
 static status advance(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     find_primitives(b);
     memcpy(b->lines->first_p, b->lines->p, (size_t)b->set.cells * sizeof(double));
+    TRY(bed_rub(b, dt, gravity));
     TRY(bed_find_pressure(b, dt, gravity, done));
     if (!*done) return OK;
     const bool updated = bed_update(b, dt, gravity);
@@ -170,6 +193,7 @@ static status advance(struct bed *b, double dt, const double gravity[MAX_DIM], b
     double failed = !updated || !moved;
     comm_max(b->comm, &failed, 1);
     *done = failed == 0;
+    if (b->rub) memcpy(b->set.pressure, b->lines->p, (size_t)b->set.cells * sizeof(double));
     return OK;
 }
 

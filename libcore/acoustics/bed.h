@@ -39,6 +39,7 @@
 
 #include "libcore/acoustics/acoustics.h"
 #include "libcore/models/eos.h"
+#include "libcore/models/friction.h"
 #include "libcore/models/kernel.h"
 #include "libcore/multigrid/arrays.h"
 #include "mesh/base/comm.h"
@@ -99,8 +100,15 @@ struct bed_set {
     bool balanced;
     double *balance[2];
 
+    /* Friction alone; without it NULL. */
+    double *pressure;  /* [cells] Pa, of the last step of a bed; 0: there was none. In the end that of this step */
+    double *stress[6]; /* [tensors][faces] Pa, kept from the last step, likewise; rows of the upper half of a tensor */
+    double *wall_friction;       /* [faces] of walls: coefficient; HUGE_VAL: that of the grains; 0: none */
+    double *wall_speed[MAX_DIM]; /* [faces] m/s, of walls */
+
     /* Results */
     double *lift, *work; /* [blocks] J: sums of the energy that lifting and gravity gave to the cells */
+    double *rubbed;      /* [blocks] J: sums of the energy that friction gave to the cells; 0 without friction */
     double *pushed;      /* [blocks] of bed_push */
     double *peak;        /* [blocks] J/m^3: the greatest L/V of a cell */
     int *peak_cell;      /* [blocks] that cell, from the block's first on */
@@ -110,6 +118,12 @@ struct bed_set {
 };
 
 struct bed_lines; /* the work memory */
+struct bed_friction;
+struct friction_use { /* zeroes: there is no friction */
+    const struct friction *law;
+    struct friction_params params;
+    double grain; /* diameter times the root of a grain's density: I = rate grain/sqrt p */
+};
 struct multigrid;
 struct bed_halo;
 struct bed_deal;
@@ -121,6 +135,7 @@ struct bed {
     struct acoustics_params params;
     int dim, components; /* solved axes; components of the velocity, which may be more: those are carried along */
     double limit;        /* kg/m^3: densities stay below it */
+    struct friction_use friction;
 
     struct bed_set *home; /* the cells of this rank's mesh, which the caller lists */
     struct bed_set set;   /* the cells that this rank computes: its share of the bed; on one rank `home` itself */
@@ -131,11 +146,15 @@ struct bed {
 
     enum { BED_NEW, BED_WRITTEN, BED_DEALT, BED_LAID } stage; /* how far are lists, on their way to the multigrid? */
     struct bed_lines *lines;
+    struct bed_friction *rub; /* NULL: there is no friction */
     struct multigrid *multigrid;
     struct bed_halo *halo; /* messages from and to ghosts; NULL: none are sent */
     struct bed_deal *deal; /* who computes which cells (bed_deal.c); NULL on one rank */
 };
 
+static inline int bed_tensors(int components) { /* numbers of a stress */
+    return components * (components + 1) / 2;
+}
 /* Makes a bed whose home has so many blocks at most; home->shapes is set then. */
 status bed_make(struct bed *b, int blocks);
 void bed_free(struct bed *b);

@@ -56,7 +56,9 @@ static void find_loss(const struct bed *b, double dt, const double gravity[MAX_D
     b->eos->state(b->material, n, rho, eps, start, c2, gruneisen);
     for (int i = 0; i < 4; i++) memset(square[i], 0, (size_t)n * sizeof(double));
     for (int k = 0; k < b->dim; k++) {
-        const double *after = x->after[k + 1] + at, fall = dt * gravity[k];
+        const double fall = dt * gravity[k];
+        double after[BATCH]; /* without friction, which takes its energy from no wave */
+        for (int i = 0; i < n; i++) after[i] = x->after[k + 1][at + i] - (b->rub ? x->rubbed[k][at + i] : 0);
         blur_change(n, fall, x->u[k] + at, after, square[0], square[1]);
         blur_change(n, fall, u[k], after, square[2], square[3]);
     }

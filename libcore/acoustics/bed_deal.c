@@ -14,7 +14,7 @@
 /* What is sent: cells, entries of face_of_cell, faces, those of them that are not BED_INNER, blocks; ghosts are
  * counted. */
 enum { CELLS, ENTRIES, FACES, OUTER, BLOCKS, GHOSTS, COUNTS };
-enum { RESULTS = 4 }; /* numbers of each block that come back */
+enum { RESULTS = 5 }; /* numbers of each block that come back */
 
 struct bed_deal {
     struct bed_set home;
@@ -315,11 +315,20 @@ static void read_blocks(struct bed *b) {
     }
 }
 
+/* What friction adds to states, or to results. */
+static struct per of_friction(const struct bed *b, bool results) {
+    if (!b->rub) return (struct per){{0}};
+    const int tensors = bed_tensors(b->components);
+    return (struct per){{[CELLS] = 1, [FACES] = results ? tensors : tensors + b->components + 1}};
+}
+
 /* Makes room for messages: those of geometry, of states and of results. */
 static status make_messages(struct bed *b) {
     struct bed_deal *d = b->deal;
     struct per most = of_geometry(b);
-    most.of[CELLS] = 2 * (b->components + 2);
+    const struct per friction = of_friction(b, false);
+    most.of[CELLS] = 2 * (b->components + 2) + friction.of[CELLS];
+    most.of[FACES] = most.of[FACES] > 2 + friction.of[FACES] ? most.of[FACES] : 2 + friction.of[FACES];
     most.of[OUTER] = 2 * (b->components + 2) + 1;
     most.of[BLOCKS] = RESULTS;
     const long all = sum_all(b, &most, d->out) + sum_all(b, &most, d->in);
@@ -337,7 +346,7 @@ static status make_set(struct bed *b) {
     s->faces = sum_of(b, d->in, FACES);
     s->ghosts = sum_of(b, d->in, GHOSTS);
     TRY(bed_set_blocks(s, s->blocks));
-    TRY(bed_set_size(s, b->components + 2, s->faces, sum_of(b, d->in, ENTRIES)));
+    TRY(bed_set_size(b, s, s->faces, sum_of(b, d->in, ENTRIES)));
     TRY(make_geometry(b));
     TRY(ARRAYS_GROW(&d->arrays, d->ghost, s->ghosts));
     read_blocks(b);
@@ -364,6 +373,12 @@ status bed_deal_lists(struct bed *b) {
 
 /* ---- states and results ---- */
 
+static double *move_friction(const struct bed *b, struct bed_set *s, int f, bool results, double *at, bool out) {
+    for (int i = 0; i < bed_tensors(b->components); i++) at = move(s->stress[i] + f, 1, at, out);
+    for (int k = 0; k < b->components && !results; k++) at = move(s->wall_speed[k] + f, 1, at, out);
+    return results ? at : move(s->wall_friction + f, 1, at, out);
+}
+
 /* Moves what a step starts from, or its results, between a message and a set: home, whose faces `face` lists, or what
  * is computed, face NULL. n: what goes to, or comes from, each rank. */
 static void move_all(const struct bed *b, struct bed_set *s, const int *face, bool results, double *at, bool out) {
@@ -372,15 +387,17 @@ static void move_all(const struct bed *b, struct bed_set *s, const int *face, bo
     for (int r = 0, cell = 0, block = 0, before = 0; r < b->deal->ranks; r++) {
         for (int v = 0; v <= last; v++) at = move(s->U[v] + cell, n[r][CELLS], at, out);
         for (int v = 0; v <= last && !results; v++) at = move(s->start[v] + cell, n[r][CELLS], at, out);
+        if (b->rub) at = move(s->pressure + cell, n[r][CELLS], at, out);
         for (int i = before; i < before + n[r][FACES]; i++) {
             const int f = face ? face[i] : i;
+            if (b->rub) at = move_friction(b, s, f, results, at, out);
             for (int side = 0; side < 2 && s->balanced && !results; side++) at = move(s->balance[side] + f, 1, at, out);
             if (s->kind[f] == BED_INNER) continue;
             if (!results) at = move(s->holds + f, 1, at, out);
             for (int v = 0; v <= last && !results; v++) at = move(s->outside[v] + f, 1, at, out);
             for (int v = 0; v <= last; v++) at = move(s->kept[v] + f, 1, at, out);
         }
-        double *const line[] = {s->lift, s->work, s->peak};
+        double *const line[] = {s->lift, s->work, s->rubbed, s->peak};
         for (int i = 0; i < RESULTS - 1 && results; i++) at = move(line[i] + block, n[r][BLOCKS], at, out);
         if (results) at = move_ints(s->peak_cell + block, n[r][BLOCKS], at, out);
         cell += n[r][CELLS];
@@ -394,9 +411,12 @@ void bed_deal_states(struct bed *b) {
     const int variables = b->components + 2;
     if (!d) return;
     b->set.balanced = b->home->balanced;
+    const struct per friction = of_friction(b, false);
     move_all(b, b->home, d->face, false, d->message_out, true);
     send(b, d->message_out,
-         &(struct per){{[CELLS] = 2 * variables, [FACES] = b->set.balanced ? 2 : 0, [OUTER] = 2 * variables + 1}},
+         &(struct per){{[CELLS] = 2 * variables + friction.of[CELLS],
+                        [FACES] = (b->set.balanced ? 2 : 0) + friction.of[FACES],
+                        [OUTER] = 2 * variables + 1}},
          false);
     move_all(b, &b->set, NULL, false, d->message_in, false);
 }
@@ -405,8 +425,14 @@ void bed_deal_results(struct bed *b) {
     struct bed_deal *d = b->deal;
     const int variables = b->components + 2;
     if (!d) return;
+    const struct per friction = of_friction(b, true);
     move_all(b, &b->set, NULL, true, d->message_out, true);
-    send(b, d->message_out, &(struct per){{[CELLS] = variables, [OUTER] = variables, [BLOCKS] = RESULTS}}, true);
+    send(b, d->message_out,
+         &(struct per){{[CELLS] = variables + friction.of[CELLS],
+                        [FACES] = friction.of[FACES],
+                        [OUTER] = variables,
+                        [BLOCKS] = RESULTS}},
+         true);
     move_all(b, b->home, d->face, true, d->message_in, false);
 }
 

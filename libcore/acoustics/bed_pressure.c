@@ -54,6 +54,7 @@ static void find_open_drift(struct bed *b, int f, double dt, const double gravit
     const double weight = bed_weight(b, f, 0, rho_l, gravity) - bed_weight(b, f, 1, rho_r, gravity);
     const double give = dt / (0.5 * both * apart);
     x->drift[f] = (rho_l * u_l + rho_r * u_r) / both + give * weight;
+    if (b->rub) x->drift[f] += x->push[f];
     if (inner ? l != r : b->set.holds[f] > 0) x->give[f] = give;
     if (!inner) x->beyond[f] = b->set.holds[f] > 0 ? pressure_beyond(b, f) : x->p[l >= 0 ? l : r];
 }

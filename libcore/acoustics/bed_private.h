@@ -20,6 +20,9 @@ struct bed_lines {
     /* [faces] U without pressures; dt/(rho_f d_f), 0 where U does not depend on p; pressure beyond the face; U;
      * p_f; of the cells on the left and on the right: P, and their heat, J/(m^2 s) */
     double *drift, *give, *beyond, *U, *p_face, *P[2], *heat[2];
+    /* of friction; without it NULL: [faces] gain of U by it, traction of walls (Pa) from left to right; [cells +
+     * ghosts] gain of u */
+    double *push, *traction[MAX_DIM], *rubbed[MAX_DIM];
     /* the links of the linear system */
     int *link_first, *link;
     double *weight;
@@ -91,7 +94,7 @@ void bed_halo_free(struct bed_halo *h);
 status bed_halo_link(struct bed *b, const int *first, const int *number);
 /* Make room in a set for so many blocks; for its cells and ghosts, faces and entries of face_of_cell. */
 status bed_set_blocks(struct bed_set *s, int blocks);
-status bed_set_size(struct bed_set *s, int variables, int faces, int sides);
+status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides);
 /* bed_deal.c. On one rank these do nothing; else they are collective. */
 status bed_deal_make(struct bed *b);
 void bed_deal_free(struct bed_deal *d);

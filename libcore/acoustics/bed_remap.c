@@ -126,6 +126,10 @@ static void add_pressures(struct bed *b) {
         const double p = x->p_face[f] - (carries ? b->set.balance[b->set.left[f] < 0][f] : 0);
         for (int k = 0; k < b->dim; k++) F[k + 1][f] += p * b->set.shapes->normal[k][b->set.shape[f]];
         F[b->components + 1][f] += x->p_face[f] * x->U[f];
+        for (int k = 0; k < b->components && b->rub; k++) {
+            F[k + 1][f] -= x->traction[k][f];
+            F[b->components + 1][f] -= x->traction[k][f] * b->set.wall_speed[k][f];
+        }
     }
 }
 

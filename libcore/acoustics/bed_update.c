@@ -27,8 +27,8 @@ static double speed_at(const struct bed *b, const struct bed_side *s, int cell) 
 
 /* Returns q = -z du/2 of a face, from the densities and impedances of its two sides, the sum of their speeds, and
  * stiff = d_f/dt. z is small where both are slow, so that slow flow is not braked (bed.h: soft). */
-static double friction(double rho_l, double rho_r, double z_l, double z_r, double speeds, double du, double stiff,
-                       double soft) {
+static double damping(double rho_l, double rho_r, double z_l, double z_r, double speeds, double du, double stiff,
+                      double soft) {
     const double rho = smaller(rho_l, rho_r), sound = 2 * z_l * z_r / (z_l + z_r);
     const double slow = rho * (speeds + fabs(du) + soft * stiff);
     return -0.5 * du * smaller(smaller(sound, STIFF * stiff * rho), slow);
@@ -58,7 +58,7 @@ static double inner_pressure(const struct bed *b, int face, double dt) {
     const double du = speed_at(b, &right, r) - speed_at(b, &left, l);
     const double stiff = (b->set.shapes->depth[0][shape] + b->set.shapes->depth[1][shape]) / dt;
     return (rho_r * x->P[0][face] + rho_l * x->P[1][face]) / (rho_l + rho_r) +
-           friction(rho_l, rho_r, rho_l * x->c[l], rho_r * x->c[r], speeds, du, stiff, b->params.soft);
+           damping(rho_l, rho_r, rho_l * x->c[l], rho_r * x->c[r], speeds, du, stiff, b->params.soft);
 }
 
 /* Returns p_f on a wall: the pressure P of its cell there, and q_f with the mirror image of the cell's velocity. */
@@ -69,7 +69,7 @@ static double wall_pressure(const struct bed *b, int face, double dt) {
     const double rho = x->rho[i], z = rho * x->c[i], speed = bed_normal_speed(b, x->u, i, s.shape);
     const double stiff = 2 * b->set.shapes->depth[s.right][s.shape] / dt;
     return x->P[s.right][face] +
-           friction(rho, rho, z, z, 2 * fabs(speed), -2 * s.sign * speed_at(b, &s, i), stiff, b->params.soft);
+           damping(rho, rho, z, z, 2 * fabs(speed), -2 * s.sign * speed_at(b, &s, i), stiff, b->params.soft);
 }
 
 static double open_pressure(const struct bed *b, int face, const double gravity[MAX_DIM]) {
@@ -121,26 +121,31 @@ static void move_cell(const struct bed *b, double dt, const double gravity[MAX_D
     }
     x->growth[i] = growth;
     x->after[0][i] = rho / (1 + growth);
-    for (int k = 0; k < b->components; k++)
-        x->after[k + 1][i] = x->u[k][i] + (k < b->dim ? -force[k] / rho : dt * gravity[k]);
+    for (int k = 0; k < b->components; k++) {
+        const double gain = k < b->dim ? -force[k] / rho : dt * gravity[k];
+        x->after[k + 1][i] = x->u[k][i] + (b->rub ? gain + x->rubbed[k][i] : gain);
+    }
 }
 
 /* Returns the heat (J/(m^2 s)) that a cell gains at a face, -(p_f - P) (U - u.n) outwards: p_f moves the gas on the
- * face with U, and the cell with u, the mean of its velocities before and after acoustics. */
-static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell) {
+ * face with U, and the cell with u, the mean of its velocities before and after acoustics. The part of p_f - P that
+ * friction carries makes no heat: it works on U, where it takes energy. */
+static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell, double dt) {
     const struct bed_lines *x = b->lines;
     const double mean =
         0.5 * (bed_normal_speed(b, x->u, cell, s->shape) + bed_normal_speed(b, x->after + 1, cell, s->shape));
-    return -s->sign * (x->p_face[s->face] - x->P[s->right][s->face]) * (x->U[s->face] - mean);
+    double over = x->p_face[s->face] - x->P[s->right][s->face];
+    if (b->rub) over -= s->sign * x->rho[cell] * b->set.shapes->depth[s->right][s->shape] * x->push[s->face] / dt;
+    return -s->sign * over * (x->U[s->face] - mean);
 }
 
-static void find_heat(struct bed *b) {
+static void find_heat(struct bed *b, double dt) {
     const struct bed_lines *x = b->lines;
     for (int f = 0; f < b->set.faces; f++) {
         const int l = b->set.left[f], r = b->set.right[f], shape = b->set.shape[f];
         const struct bed_side left = {f, shape, 0, 1}, right = {f, shape, 1, -1};
-        x->heat[0][f] = l >= 0 ? heat_of_side(b, &left, l) : 0;
-        x->heat[1][f] = r >= 0 ? heat_of_side(b, &right, r) : 0;
+        x->heat[0][f] = l >= 0 ? heat_of_side(b, &left, l, dt) : 0;
+        x->heat[1][f] = r >= 0 ? heat_of_side(b, &right, r, dt) : 0;
     }
 }
 
@@ -217,18 +222,36 @@ static double work_on_cell(const struct bed *b, double dt, const double gravity[
     return dt * (sum / b->set.shapes->volume[b->set.body[i]] + 0.5 * x->rho[i] * carried);
 }
 
+/* Returns the energy (J/m^3) that friction gives to a cell: its work on the cell's velocity, and with the heat that the
+ * faces lack by it (heat_of_side) that on U. */
+static double rubbed_in_cell(const struct bed *b, int i) {
+    const struct bed_lines *x = b->lines;
+    double sum = 0, moved = 0;
+    if (!b->rub) return 0;
+    for (int k = 0; k < b->components; k++) moved += x->rubbed[k][i] * (x->u[k][i] + x->after[k + 1][i]);
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double mean =
+            0.5 * (bed_normal_speed(b, x->u, i, s.shape) + bed_normal_speed(b, x->after + 1, i, s.shape));
+        sum += b->set.shapes->area[s.shape] * b->set.shapes->depth[s.right][s.shape] * x->push[s.face] *
+               (x->U[s.face] - mean);
+    }
+    return x->rho[i] * (0.5 * moved + sum / b->set.shapes->volume[b->set.body[i]]);
+}
+
 /* Sets eps behind acoustics, and counts lifting and work. Returns whether no cell was lifted too much. */
 static bool find_eps(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     double *after = b->lines->after[b->components + 1];
     bool fine = true;
     b->lifted = 0;
     for (int block = 0; block < b->set.blocks; block++) {
-        b->set.lift[block] = b->set.work[block] = 0;
+        b->set.lift[block] = b->set.work[block] = b->set.rubbed[block] = 0;
         for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
             const double V = b->set.shapes->volume[b->set.body[i]], eps = eps_after(b, dt, i), least = least_of(b, i);
             const double lift = eps < least ? b->lines->rho[i] * (least - eps) : 0;
             after[i] = larger(eps, least);
             b->set.work[block] += V * work_on_cell(b, dt, gravity, i);
+            b->set.rubbed[block] += V * rubbed_in_cell(b, i);
             b->set.lift[block] += V * lift;
             b->lifted += lift > 0;
             fine &= lift == 0 || lift <= bed_energy_near(b, i);
@@ -243,7 +266,7 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     find_face_pressures(b, dt, gravity);
     for (int i = 0; i < b->set.cells; i++) move_cell(b, dt, gravity, i);
     bed_fill(b, b->dim, b->lines->after + 1);
-    find_heat(b);
+    find_heat(b, dt);
     pass_heat(b, dt);
     const bool fine = find_eps(b, dt, gravity);
     bed_fill(b, b->components + 2, b->lines->after);

@@ -8,41 +8,62 @@
 struct block_batch { /* n <= BATCH cells of a block of the grid, from its cell `from` on */
     int block;       /* of the state */
     int from, n;
-    const int *at; /* [n] places in the lines of the state's block; NULL: from `first` on, `step` apart */
-    long first, step;
+    const int *at;    /* [n] places in the lines of the state's block; NULL: from `first` on, `step` apart */
+    long first, step; /* both 0: the cells are the background */
 };
 static inline long place_of(const struct block_batch *b, int i) {
     return b->at ? b->at[i] : b->first + i * b->step;
 }
 typedef void batch_visitor(void *context, const struct block_batch *batch);
 
-/* Visits the cells of a block of the grid in its order; those of s (NULL: of no state) are written out first. */
+/* Visits n cells of a row, behind those that were visited. */
+static void visit_run(struct block_batch *b, int n, batch_visitor *visit, void *context) {
+    for (; n > 0; n -= b->n) {
+        b->n = n < BATCH ? n : BATCH;
+        visit(context, b);
+        b->from += b->n;
+        if (b->at)
+            b->at += b->n;
+        else
+            b->first += b->n * b->step;
+    }
+}
+
+/* The cells of row (j, k) of a block that are not the background: all or none between images of one cell. */
+static struct span span_of_row(const struct block_cells *c, int j, int k) {
+    const struct span s = c->varied[j * c->row[0] + k * c->row[1]];
+    return s.low >= s.high ? (struct span){0, 0} : c->step[0] ? s : (struct span){0, c->n[0]};
+}
+
+/* Visits the cells of a block of the grid in its order; those of s outside of its spans as the background (s NULL: all
+ * by themselves). */
 static void visit_block(const struct gas *g, int block, const struct state *s, batch_visitor *visit, void *context) {
     struct block_cells c;
     g->engine->state.cells(g, block, s, &c);
-    struct block_batch b = {.block = c.block, .step = c.step[0]};
+    struct block_batch b = {.block = c.block, .at = c.at};
     for (int k = 0; k < c.n[2]; k++)
-        for (int j = 0; j < c.n[1]; j++)
-            for (int i = 0; i < c.n[0]; i += b.n) {
-                if (c.at)
-                    b.at = c.at + i;
-                else
-                    b.first = c.first + i * c.step[0] + j * c.step[1] + k * c.step[2];
-                b.n = c.n[0] - i < BATCH ? c.n[0] - i : BATCH;
-                visit(context, &b);
-                b.from += b.n;
-            }
+        for (int j = 0; j < c.n[1]; j++) {
+            struct span own = {0, c.n[0]};
+            if (c.varied) own = span_of_row(&c, j, k);
+            b.first = b.step = 0;
+            visit_run(&b, own.low, visit, context);
+            b.step = c.step[0];
+            b.first = c.first + own.low * c.step[0] + j * c.step[1] + k * c.step[2];
+            visit_run(&b, own.high - own.low, visit, context);
+            b.first = b.step = 0;
+            visit_run(&b, c.n[0] - own.high, visit, context);
+        }
 }
 
 int grid_blocks(const struct gas *g) {
-    return g->forest ? g->forest->nblocks : g->grid->nblocks;
+    return g->forest ? g->forest->nblocks : g->blocks.grid->nblocks;
 }
 
 /* Returns the polyMesh's numbers of the cells of a block, and how many they are. */
 static const int *mesh_cells(const struct gas *g, int block, int *n) {
     if (!g->forest) {
-        *n = g->grid->block[block].ncells;
-        return g->grid->block[block].cell;
+        *n = g->blocks.grid->block[block].ncells;
+        return g->blocks.grid->block[block].cell;
     }
     const struct forest_block *b = &g->forest->block[block];
     *n = b->n[0] * b->n[1] * b->n[2];
@@ -111,17 +132,42 @@ void gas_block_variables(const struct gas *g, int block, int first, int n, doubl
     visit_block(g, block, &g->U, take_batch, &l);
 }
 
+void gas_set_carried(struct gas *g, int q, bool own, const double *values) {
+    put_lines(g, own, 1, &values, g->carried->quantity[q].phi);
+}
+
+void gas_block_carried(const struct gas *g, int block, int q, double *out) {
+    struct block_lines l = {.block = g->carried->quantity[q].phi, .size = g->size, .n = 1, .out = &out};
+    visit_block(g, block, NULL, take_batch, &l);
+}
+
 struct reading { /* of a field */
     const struct gas *g;
     enum gas_field field;
+    int components;
     double *const *out;
+    bool known; /* is the value of the background known? */
+    double background[3];
 };
 
+static void read_background(struct reading *r, const struct block_batch *b) {
+    const struct gas *g = r->g;
+    double *value[3] = {&r->background[0], &r->background[1], &r->background[2]};
+    if (!r->known) field_row(g, r->field, 1, g->size, g->U.block[b->block], value);
+    r->known = true;
+    for (int k = 0; k < r->components; k++)
+        for (int i = 0; i < b->n; i++) r->out[k][b->from + i] = r->background[k];
+}
+
 static void read_batch(void *reading, const struct block_batch *b) {
-    const struct reading *r = reading;
+    struct reading *r = reading;
     const struct gas *g = r->g;
     double U[MAX_VAR][BATCH], *out[3] = {NULL, NULL, NULL};
-    for (int k = 0; k < (r->field == GAS_U ? g->components : 1); k++) out[k] = r->out[k] + b->from;
+    for (int k = 0; k < r->components; k++) out[k] = r->out[k] + b->from;
+    if (!b->at && !b->first) {
+        read_background(r, b);
+        return;
+    }
     if (!b->at && b->step == 1) { /* the cells lie one behind the other: no copy */
         field_row(g, r->field, b->n, g->size, g->U.block[b->block] + b->first, out);
         return;
@@ -135,41 +181,53 @@ static void read_batch(void *reading, const struct block_batch *b) {
 
 void gas_block_field(const struct gas *g, int block, enum gas_field field, double *const out[3]) {
     struct block_lines limited = {.block = g->limits.flags.limited, .size = g->size, .n = 1, .out = out};
-    double value[3];
-    int n;
-    (void)mesh_cells(g, block, &n);
+    struct reading r = {.g = g, .field = field, .components = field == GAS_U ? g->components : 1, .out = out};
     if (field == GAS_LIMITED)
         visit_block(g, block, NULL, take_batch, &limited);
-    else if (!gas_block_uniform(g, block, field, value))
-        visit_block(g, block, &g->U, read_batch, &(struct reading){g, field, out});
     else
-        for (int k = 0; k < (field == GAS_U ? g->components : 1); k++)
-            for (int i = 0; i < n; i++) out[k][i] = value[k];
+        visit_block(g, block, &g->U, read_batch, &r);
 }
 
 bool gas_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
-    return g->engine->state.block_uniform && field != GAS_LIMITED &&
-           g->engine->state.block_uniform(g, block, field, value);
+    struct block_cells c;
+    g->engine->state.cells(g, block, &g->U, &c);
+    if (field == GAS_LIMITED || !c.varied) return false;
+    for (int k = 0; k < c.n[2] && !g->U.calm[c.block]; k++)
+        for (int j = 0; j < c.n[1]; j++)
+            if (span_of_row(&c, j, k).high > 0) return false;
+    field_row(g, field, 1, g->size, g->U.block[c.block], (double *[]){value, value + 1, value + 2});
+    return true;
 }
 
 /* Gathers values of this rank's cells in the root's array, in polyMesh order. */
 static status gather(const struct gas *g, const double *values, double *all) {
-    return g->forest ? forest_gather(g->forest, values, all) : grid_gather(g->grid, values, all);
+    return g->forest ? forest_gather(g->forest, values, all) : grid_gather(g->blocks.grid, values, all);
+}
+
+/* Gathers a conserved variable or, if it is less than 0, carried quantity ~variable. */
+static status gather_line(const struct gas *g, int variable, double *all) {
+    double *values, *next;
+    TRY(comm_agree(g->comm, allocate(&values, cells_of_rank(g), sizeof *values, "the cells of this rank")));
+    next = values;
+    for (int b = 0, cells; b < grid_blocks(g); b++, next += cells) {
+        (void)mesh_cells(g, b, &cells);
+        if (variable < 0)
+            gas_block_carried(g, b, ~variable, next);
+        else
+            gas_block_variables(g, b, variable, 1, &next);
+    }
+    const status s = gather(g, values, all);
+    free(values);
+    return s;
 }
 
 status gas_get_variables(const struct gas *g, int first, int n, double *const *out) {
-    double *values = NULL;
-    status s = comm_agree(g->comm, allocate(&values, cells_of_rank(g), sizeof *values, "the cells of this rank"));
-    for (int v = 0; v < n && !s; v++) {
-        double *next = values;
-        for (int b = 0, cells; b < grid_blocks(g); b++, next += cells) {
-            (void)mesh_cells(g, b, &cells);
-            gas_block_variables(g, b, first + v, 1, &next);
-        }
-        s = gather(g, values, comm_root(g->comm) ? out[v] : NULL);
-    }
-    free(values);
-    return s;
+    for (int v = 0; v < n; v++) TRY(gather_line(g, first + v, comm_root(g->comm) ? out[v] : NULL));
+    return OK;
+}
+
+status gas_get_carried(const struct gas *g, int q, double *out) {
+    return gather_line(g, ~q, comm_root(g->comm) ? out : NULL);
 }
 
 status gas_field(const struct gas *g, enum gas_field field, double *const out[3]) {
@@ -192,7 +250,7 @@ status gas_field(const struct gas *g, enum gas_field field, double *const out[3]
 /* ---- sums ---- */
 
 status sum_blocks(const struct gas *g, const double *per_block, double *sum) {
-    return g->forest ? forest_sum(g->forest, per_block, sum) : grid_sum(g->grid, per_block, sum);
+    return g->forest ? forest_sum(g->forest, per_block, sum) : grid_sum(g->blocks.grid, per_block, sum);
 }
 
 struct summing {
@@ -219,12 +277,12 @@ static void sum_batch(void *summing, const struct block_batch *b) {
     memcpy(x->sum, sum, sizeof sum);
 }
 
-/* Sums n lines of blocks, times volume, over the domain; written: of a state, whose cells are written out first. */
-static status integrate(const struct gas *g, const struct state *s, bool written, int n, double *total) {
+/* Sums n lines of blocks, times volume, over the domain. */
+static status integrate(const struct gas *g, const struct state *s, int n, double *total) {
     const int blocks = grid_blocks(g);
     for (int b = 0; b < blocks; b++) {
         struct summing x = {.g = g, .s = s, .n = n};
-        visit_block(g, b, written ? s : NULL, sum_batch, &x);
+        visit_block(g, b, s, sum_batch, &x);
         for (int v = 0; v < n; v++) g->blocks.sums[v * blocks + b] = x.sum[v];
     }
     for (int v = 0; v < n; v++) {
@@ -235,7 +293,7 @@ static status integrate(const struct gas *g, const struct state *s, bool written
 }
 
 status state_totals(const struct gas *g, const struct state *s, double totals[MAX_VAR]) {
-    return integrate(g, s, true, g->nvar, totals);
+    return integrate(g, s, g->nvar, totals);
 }
 
 status gas_totals(const struct gas *g, double totals[MAX_VAR]) {
@@ -257,6 +315,5 @@ static status sum_of_tiles(const struct gas *g, const double *raised, double *su
 }
 
 status sum_raised(const struct gas *g, double *raised, double *sum) {
-    return g->floors.step ? integrate(g, &(struct state){.block = &raised}, false, 1, sum)
-                          : sum_of_tiles(g, raised, sum);
+    return g->floors.step ? integrate(g, &(struct state){.block = &raised}, 1, sum) : sum_of_tiles(g, raised, sum);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Implicit acoustics of dense cells: which cells, and when (docs/physics.md 9.2). Near packing sound limits dt to a
- * thousandth and less of what the flow would need. So dense cells and three rings of neighbours, the bed, take one
- * implicit step (libcore/acoustics/bed.h), all others the Runge-Kutta step, and both share the fluxes between them:
+ * thousandth and less of what the flow would need. So the bed, dense cells and those around them (enum bed_part), takes
+ * one implicit step (libcore/acoustics/bed.h), all others the Runge-Kutta step, and both share the fluxes between them:
  *
  *     half the sources | half the diffusion | stages of the others | half the diffusion | half the sources | the bed
  *
@@ -38,13 +38,24 @@ static const double MILD = 0.9;
  * in which impacts take energy unless they are slow (thresholdSpeed). */
 bool gas_may_be_dense(const struct gas_models *m) {
     if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded) return false;
+    if (gas_rubs(m)) return true;
     return !m->acoustics->automatic || (m->material.threshold > 0 && source_cools(&m->source, &m->material));
+}
+
+static status make_kept(const struct gas *g, struct dense *d) {
+    const long lines = 1 + d->sides * bed_tensors(g->components);
+    if (!d->bed.rub) return OK;
+    TRY(allocate(&d->kept, d->blocks, sizeof *d->kept, "friction"));
+    TRY(allocate(&d->kept[0], d->blocks * lines * g->size, sizeof(double), "friction"));
+    for (int b = 1; b < d->blocks; b++) d->kept[b] = d->kept[0] + b * lines * g->size;
+    return OK;
 }
 
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
     if (!gas_may_be_dense(m) || !g->engine->bed.make) return OK;
-    if (g->patches.fed && m->acoustics->automatic) return OK; /* beds cannot be given mass */
+    /* beds cannot be given mass, and do not say what mass crosses their faces */
+    if (((g->patches.fed && !gas_rubs(m)) || m->ncarried > 0) && m->acoustics->automatic) return OK;
     TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
     struct dense *d = g->dense;
     d->bed = (struct bed){.eos = m->eos,
@@ -54,7 +65,12 @@ status dense_make(struct gas *g) {
                           .dim = g->dim,
                           .components = g->components,
                           .limit = g->limits.most};
-    d->above = d->bed.params.dense * m->material.alpha_max / packing_per_density(&m->material);
+    if (gas_rubs(m))
+        d->bed.friction = (struct friction_use){m->friction, m->friction_params,
+                                                m->material.diameter / sqrt(packing_per_density(&m->material))};
+    double dense = d->bed.params.dense * m->material.alpha_max;
+    if (gas_rubs(m)) dense = smaller(dense, m->friction_params.alpha_friction);
+    d->above = dense / packing_per_density(&m->material);
     d->hard = HARD * m->material.alpha_max / packing_per_density(&m->material);
     d->thin = d->bed.params.thin * m->material.alpha_max / packing_per_density(&m->material);
     const int blocks = d->blocks = g->forest ? g->forest->ntiles : 1;
@@ -67,7 +83,8 @@ status dense_make(struct gas *g) {
         d->part[b] = d->part[0] + b * g->size;
     }
     TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
-    return g->engine->bed.make(g);
+    TRY(g->engine->bed.make(g));
+    return make_kept(g, d);
 }
 
 void dense_free(struct gas *g) {
@@ -77,6 +94,8 @@ void dense_free(struct gas *g) {
     arrays_free(&g->dense->arrays);
     if (g->dense->number) free(g->dense->number[0]);
     if (g->dense->part) free(g->dense->part[0]);
+    if (g->dense->kept) free(g->dense->kept[0]);
+    free(g->dense->kept);
     free(g->dense->part);
     free(g->dense->number);
     free(g->dense->holds);
@@ -136,6 +155,20 @@ static double refuse(struct dense *d, enum bed_cause cause, double steps, double
     return 0;
 }
 
+/* With friction every step of dense gas is one of a bed, however long. */
+static double plan_friction(struct gas *g, double maxCo, double fall, double plain, const char **limit) {
+    struct dense *d = g->dense;
+    double step[BED_CAUSES];
+    struct bed_rates rates = dense_rates(g, plain);
+    find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
+    if (d->thin > 0) {
+        if (dense_include(g, smaller(maxCo, BORDER) / step[least_of(step)])) rates = dense_rates(g, plain);
+        find_limits(g, &rates, maxCo, plain, fall, false, step);
+    }
+    *limit = cause_name[least_of(step)];
+    return d->longest = step[least_of(step)];
+}
+
 /* Plans the next step, as gas.h says. Near vacuum above a bed is hot: where it would limit dt, `include` makes it a
  * part of the bed. */
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit) {
@@ -150,6 +183,7 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     d->usual = usual;
     d->bound = (struct gas_bed_bound){.cause = BED_CAUSES};
     if (!dense_find(g)) return 0;
+    if (d->bed.rub) return plan_friction(g, maxCo, fall, plain, limit);
     if (d->pause > 0) return d->leans ? refuse(d, BY_OUTLET, 1, 0, plain) : 0;
     if (FALL * fall < gain * usual) return refuse(d, BY_FALL, FALL * fall / usual, 0, plain);
     struct bed_rates rates = dense_rates(g, plain);
@@ -274,7 +308,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
     d->failed = bed_step(&d->bed, dt, d->kick, &done);
     if (d->failed || !done) return false;
-    d->refused = damps(g, dt) && g->models.acoustics->automatic;
+    d->refused = damps(g, dt) && g->models.acoustics->automatic && !d->bed.rub;
     if (d->refused) return false;
     double bad = (double)dense_put(g, to);
     comm_max(g->comm, &bad, 1);
@@ -291,6 +325,7 @@ status dense_count(struct gas *g) {
     double sum;
     comm_sum_long(g->comm, count, 2);
     d->paused = 0;
+    dense_keep_friction(g);
     g->counts.now.beds++;
     g->counts.now.newton += d->bed.newton;
     g->counts.now.linear += d->bed.linear;

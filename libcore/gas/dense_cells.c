@@ -177,6 +177,10 @@ void dense_seek(struct gas *g, double place[3]) {
 
 /* ---- to and from the bed ---- */
 
+int dense_kind(const struct gas *g, int patch) {
+    return patch < 0 ? BED_KEPT : patch_is_wall(&g->patches.rules[patch]) ? BED_WALL : BED_OPEN;
+}
+
 /* Are the cells of the bed others than those that have numbers? */
 KERNEL static bool bed_differs(long n, const double *restrict part, const int *restrict number) {
     int differs = 0;
@@ -204,6 +208,7 @@ status dense_list(struct gas *g, status s, long rows, int sides) {
     comm_max(g->comm, &outside, 1);
     d->alone = outside == 0;
     d->rows = d->borders = d->bed.home->faces = 0;
+    d->relisted = true;
     return OK;
 }
 
@@ -230,6 +235,54 @@ long dense_put(struct gas *g, const struct state *to) {
     for (int r = 0; r < d->rows; r++)
         bad += row_inadmissible(g, to->block[d->row[r].block], d->row[r].at, d->row[r].n, NULL);
     return bad;
+}
+
+/* Copies what friction keeps of a cell, at its place in the lines of a block, to the bed's cell i, or back. */
+static void copy_kept(const struct gas *g, double *kept, int i, bool out) {
+    const struct bed_set *bed = g->dense->bed.home;
+    const int tensors = bed_tensors(g->components), first = bed->face_start[i];
+    *(out ? kept : &bed->pressure[i]) = *(out ? &bed->pressure[i] : kept);
+    for (int j = first; j < bed->face_start[i + 1]; j++)
+        for (int t = 0; t < tensors; t++) {
+            const int f = bed->face_of_cell[j] < 0 ? ~bed->face_of_cell[j] : bed->face_of_cell[j];
+            double *line = kept + (1 + (j - first) * tensors + t) * g->size;
+            *(out ? line : &bed->stress[t][f]) = *(out ? &bed->stress[t][f] : line);
+        }
+}
+
+static void copy_all_kept(const struct gas *g, bool out) {
+    const struct dense *d = g->dense;
+    for (int r = 0, i = 0; r < d->rows; r++)
+        for (int n = 0; n < d->row[r].n; n++, i++) copy_kept(g, d->kept[d->row[r].block] + d->row[r].at + n, i, out);
+}
+
+/* Takes what friction kept, and what the walls do. */
+static void take_friction(struct gas *g) {
+    const struct dense *d = g->dense;
+    const struct bed_set *bed = d->bed.home;
+    if (!d->kept) return;
+    copy_all_kept(g, false);
+    for (int k = 0; k < g->components; k++) memset(bed->wall_speed[k], 0, (size_t)bed->faces * sizeof(double));
+    memset(bed->wall_friction, 0, (size_t)bed->faces * sizeof(double));
+    for (int i = 0; i < d->borders; i++) {
+        const struct dense_border *b = &d->border[i];
+        double speed[3];
+        if (bed->kind[b->face] != BED_WALL) continue;
+        const struct patch_rules *r = &g->patches.rules[b->patch.patch];
+        bed->wall_friction[b->face] = wall_friction(r);
+        wall_velocity(r, g->components, b->patch.face, speed);
+        for (int k = 0; k < g->components; k++) bed->wall_speed[k][b->face] = speed[k];
+    }
+}
+
+void dense_keep_friction(struct gas *g) {
+    struct dense *d = g->dense;
+    const long lines = 1 + d->sides * bed_tensors(g->components);
+    if (!d->kept) return;
+    for (int b = 0; b < d->blocks && d->relisted; b++)
+        memset(d->kept[b], 0, (size_t)(lines * g->size) * sizeof(double));
+    d->relisted = false;
+    copy_all_kept(g, true);
 }
 
 /* Takes the gas beyond the borders. An open patch whose ghosts have the cell's own state lets it out freely. */
@@ -262,6 +315,7 @@ status dense_begin(struct gas *g, const struct state *from) {
         copy(g, &g->W, true);
     }
     take_beyond(g, from);
+    take_friction(g);
     if (engine->balance) engine->balance(g, from);
     g->dense->begun = true;
     return OK;

@@ -229,7 +229,7 @@ static bool too_stiff(struct gas *g, const struct state *from, double dt, const 
         if (ratio < MOST_RATIO && stages <= MOST_STAGES) continue;
         g->diffusion.stiff =
             (struct stiff){true, g->diffusion.late, (enum diffusing)what, rate[what], dt, (double)stages, {0}};
-        g->engine->diffusion.stiffest_place(g, (enum diffusing)what, from, rate[what], g->diffusion.stiff.place);
+        place_of_rate(g, (enum rate)what, from, rate[what], g->diffusion.stiff.place);
         return true;
     }
     return false;

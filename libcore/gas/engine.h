@@ -6,11 +6,14 @@
 
 #include <limits.h>
 
+#include "libcore/gas/carried.h"
 #include "libcore/gas/tally.h"
 
 enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
 
-struct span; /* belongs to the lattice: libcore/lattice/tiles.h */
+struct span { /* the columns low <= i < high of a row of a tile */
+    int low, high;
+};
 /* The conserved variables of this rank's cells, in blocks: the tiles of a lattice, or one block for all polyhedra. A
  * tile has a background, the values that many of its cells share (libcore/lattice/tiles_activity.c), and a span for
  * each of its rows: the cells outside the span equal the background, and their memory is not kept up. */
@@ -40,6 +43,8 @@ struct block_cells { /* the cells of a block of the grid (mesh/grid/grid.h), in 
     int n[3];        /* along the axes; on polyhedra all along the first one */
     long first, step[3]; /* place of the first cell in a line, and from cell to cell: 0 between images of one cell */
     const int *at;       /* [n[0]] the places on polyhedra; NULL on a lattice */
+    const struct span *varied; /* the span of row (j, k) is varied[row[0] j + row[1] k]; NULL: there are none */
+    int row[2];
 };
 
 struct ending {                        /* the work that follows the last stage of a step */
@@ -48,13 +53,14 @@ struct ending {                        /* the work that follows the last stage o
 };
 
 enum diffusing { VISCOUS, HEAT };
+enum rate { OF_VISCOUS = VISCOUS, OF_HEAT = HEAT, OF_FLOW };
 
 struct state_hooks {
     /* make allocates the states and the work memory of g, whose other members are set; free also undoes a make that
      * failed. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
-    /* Finds where the cells of a block of the grid are; those of s (NULL: of no state) are written out first. */
+    /* Finds where the cells of a block of the grid are, and the spans of s (NULL: none). */
     void (*cells)(const struct gas *g, int block, const struct state *s, struct block_cells *out);
     /* As gas_rest, under gravity. NULL: the engine balances pressure and weight by itself. */
     status (*rest)(struct gas *g, const bool *rests);
@@ -71,12 +77,10 @@ struct state_hooks {
     void (*fill)(const struct gas *g, int n, double *const *block);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
-    /* As gas_block_uniform, but for GAS_LIMITED. NULL: no block is known to be uniform. */
-    bool (*block_uniform)(const struct gas *g, int block, enum gas_field field, double value[3]);
-    /* speed finds the wave speeds of this rank's cells; fastest_place the place of the cell that has speed->rate, as
-     * gas_fastest_place. */
+    /* speed finds the wave speeds of this rank's cells; rates computes what they are found from, or the last rates of
+     * diffusion, which were those of s, in the cells of a row of s (1/s). */
     void (*speed)(struct gas *g, struct gas_speed *speed);
-    void (*fastest_place)(struct gas *g, const struct gas_speed *speed, double place[3]);
+    void (*rates)(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate);
     /* Sets g->diffusion.shear_rate.now to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or
      * across; where g->diffusion.shear_rate.now is not NULL. Collective. */
     void (*shear_rate)(struct gas *g, const struct state *s);
@@ -111,8 +115,6 @@ struct diffusion_hooks {
     /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS] and most[HEAT] are the largest rates of this
      * rank's cells, 1/s. */
     void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
-    /* Finds the centre of a cell that reached `rate` in the last rates, of Y0, as gas_fastest_place. */
-    void (*stiffest_place)(struct gas *g, enum diffusing what, const struct state *Y0, double rate, double place[3]);
     /* Fills the ghosts of a state that are NEAR_CELLS, beyond patches, too. */
     void (*ghosts)(struct gas *g, const struct state *s);
     /* Adds to the energy of `to` dt div (cross grad rho), with rho and the coefficients of the last rates. */
@@ -191,7 +193,8 @@ struct engine {
     struct diffusion_hooks diffusion;
     struct implicit_hooks implicit;
     struct bed_hooks bed;
-    struct tally_hooks tally; /* libcore/gas/tally.h */
+    struct tally_hooks tally;     /* libcore/gas/tally.h */
+    struct carried_hooks carried; /* libcore/gas/carried.h */
 };
 extern const struct engine engine_lattice, engine_polyhedral;
 

@@ -35,7 +35,7 @@ struct noting { /* context of note_row */
 static void note_row(void *noting, const struct row *row) {
     struct noting *c = noting;
     const struct gas *g = c->g;
-    const struct polyhedra *m = g->grid ? g->grid->polyhedra : NULL;
+    const struct polyhedra *m = g->blocks.grid ? g->blocks.grid->polyhedra : NULL;
     for (int i = 0; i < row->n && g->limits.flags.blocks[row->block]; i++) {
         const long at = row->at + i;
         double here[3] = {0, 0, 0};

@@ -79,6 +79,7 @@ static status make(const struct gas *like, struct gas **out) {
     if (!s) s = g->engine->state.make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
     if (!s) s = dense_make(g);
+    if (!s) s = carried_make(g);
     if (s)
         gas_free(g);
     else
@@ -105,14 +106,13 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
 status gas_make_polyhedral(const struct grid *grid, const struct gas_models *models, int npatches,
                            const struct patch_rules *rules, struct gas **out) {
     const struct gas g = {.engine = &engine_polyhedral,
-                          .grid = grid,
                           .comm = grid->comm,
                           .dim = grid->dim,
                           .components = models->components,
                           .counts = {.images = 1},
                           .size = grid->polyhedra->size,
                           .floors = {.places = grid->polyhedra->nown, .step = 1},
-                          .blocks = {1, grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
+                          .blocks = {1, grid, grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -122,6 +122,7 @@ void gas_free(struct gas *g) {
     if (!g) return;
     implicit_free(g->diffusion.implicit);
     dense_free(g);
+    carried_free(g);
     g->engine->state.free(g);
     books_free(g);
     status_free(g->patches.failed);
@@ -183,7 +184,7 @@ static status set_state(struct gas *g, long n, const double *rho, const double *
 }
 
 status gas_set(struct gas *g, const double *rho, const double *const u[3], const double *T) {
-    return set_state(g, g->forest ? g->forest->ncells_all : g->grid->ncells_all, rho, u, T, gas_set_conserved);
+    return set_state(g, g->forest ? g->forest->ncells_all : g->blocks.grid->ncells_all, rho, u, T, gas_set_conserved);
 }
 
 status gas_set_own(struct gas *g, long cells, const double *rho, const double *const u[3], const double *T) {
@@ -266,8 +267,33 @@ void gas_speed(struct gas *g, struct gas_speed *speed) {
     *speed = g->step.speed;
 }
 
+struct rate_search { /* of the cells with a rate */
+    struct gas *g;
+    enum rate what;
+    const struct state *s;
+    double wanted;
+    struct first_place first;
+};
+
+static void seek_rate(void *search, const struct row *row) {
+    struct rate_search *r = search;
+    double rate[BATCH], here[3];
+    r->g->engine->state.rates(r->g, r->what, r->s, row, rate);
+    for (int i = 0; i < row->n; i++) {
+        if (rate[i] != r->wanted) continue;
+        r->g->engine->state.place(r->g, row->block, row->at + i, here);
+        first_place_offer(&r->first, here);
+    }
+}
+
+void place_of_rate(struct gas *g, enum rate what, const struct state *s, double wanted, double place[3]) {
+    struct rate_search r = {g, what, s, wanted, {.order = HUGE_VAL}};
+    g->engine->state.rows(g, EVERY_CELL, s, seek_rate, &r);
+    first_place_agree(g, &r.first, place);
+}
+
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    g->engine->state.fastest_place(g, speed, place);
+    place_of_rate(g, OF_FLOW, &g->U, speed->rate, place);
 }
 
 void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]) {

@@ -15,6 +15,7 @@
 #include "libcore/acoustics/acoustics.h"
 #include "libcore/gas/diffusion.h"
 #include "libcore/models/boundary.h"
+#include "libcore/models/carried.h"
 #include "libcore/models/eos.h"
 #include "libcore/models/friction.h"
 #include "libcore/models/source.h"
@@ -39,12 +40,14 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     struct own_params transport_params;  /* parameters of the transport law */
     const struct friction *friction;     /* of packed gas; NULL or the row `none`: there is none */
     struct friction_params friction_params;
-    const struct diffusion *diffusion;  /* time scheme of viscous stress and heat conduction; with transport */
-    const struct linear_module *linear; /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
-    const struct acoustics *acoustics;  /* NULL: explicit */
-    struct own_params acoustics_params; /* parameters of the row */
-    int components;                     /* of u, if more than the mesh has axes; 0: as many */
-    double alpha_floor;                 /* least alpha: mass is added where fluxes would fall below it; 0: off */
+    const struct diffusion *diffusion;    /* time scheme of viscous stress and heat conduction; with transport */
+    const struct linear_module *linear;   /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
+    const struct acoustics *acoustics;    /* NULL: explicit */
+    struct own_params acoustics_params;   /* parameters of the row */
+    const struct carried_choice *carried; /* [ncarried] quantities that the gas carries (libcore/gas/carried.h) */
+    int ncarried;
+    int components;     /* of u, if more than the mesh has axes; 0: as many */
+    double alpha_floor; /* least alpha: mass is added where fluxes would fall below it; 0: off */
     /* without transport or a law that sees the shear rate: are cells in exactly uniform surroundings left out
      * (libcore/lattice/tiles_activity.c)? The bits stay the same */
     bool skip_uniform;
@@ -111,6 +114,13 @@ void gas_set_own_conserved(struct gas *g, const double *const U[MAX_VAR]);
 /* Writes n conserved variables, from the first one on, of the cells of one of this rank's blocks: out[n][cells]. */
 void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out);
 
+/* Carried quantity q of gas_models.carried: sets it from the cells of this rank, as gas_set_own has them (own), or from
+ * an array in polyMesh order; gives it in the cells of a block, as gas_block_variables does; or gathers it as
+ * gas_get_variables does. */
+void gas_set_carried(struct gas *g, int q, bool own, const double *values);
+void gas_block_carried(const struct gas *g, int block, int q, double *out);
+status gas_get_carried(const struct gas *g, int q, double *out);
+
 /* Makes it known that the state now set, with its velocity taken as 0, is at rest under gravity in the cells with
  * rests[ncells_all]: on polyhedra it, and states near it, are then balanced to round-off
  * (libcore/polyhedral/cells_rest.c). The state itself is lost: it must be set again. Collective. */
@@ -139,6 +149,9 @@ void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double plac
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit);
 /* Can a gas of these models ever take such steps? */
 bool gas_may_be_dense(const struct gas_models *m);
+static inline bool gas_rubs(const struct gas_models *m) { /* is there friction? */
+    return m->friction && m->friction->on;
+}
 /* Returns the largest inertial number (docs/physics.md 4.8) |u| sigma/(h sqrt(p/rho of a grain)) of dense cells in the
  * last gas_bed_step, an upper estimate as u may change over more than a cell; HUGE_VAL if there was no bed. */
 double gas_inertia(const struct gas *g);
@@ -223,12 +236,13 @@ void gas_tally_faces(const struct gas *g, int block, gas_face_visitor *visit, vo
  * collective. */
 
 /* Causes of changes, besides the rows of source_table. */
-enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CAUSES };
+enum gas_cause { GAS_HEAT, GAS_FRICTION, GAS_FLOW, GAS_FLOORS, GAS_DILATION, GAS_CONTACTS, GAS_CAUSES };
 enum gas_edge { GAS_WALLS, GAS_OPEN, GAS_EDGES };
 struct gas_budget {              /* sums over the domain, as by gas_totals */
     double mass, energy;         /* kg, J: of the present state */
     double sourced[SOURCE_MOST]; /* J: from each source */
-    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U */
+    double gained[GAS_CAUSES];   /* J: by gas_cause: heat of walls, work of walls, open patches, floors, zeta_U,
+                                  * friction of grains in contact */
     double flowed, filled;       /* kg: through open patches, and by the density floor */
     double lost[2];              /* kg, J: changes that no cause accounts for: round-off */
     /* N s along computational axes, [components]: of the present state; from each source; through walls and open

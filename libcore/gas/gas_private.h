@@ -25,9 +25,13 @@ enum { MOST_STAGES = 100000 };
 
 enum { GUARDED = 16 }; /* steps that are guarded after one that found an inadmissible cell */
 
-struct dense_border {    /* a face of the bed that is not BED_INNER */
-    int face, block;     /* in the bed's list; the block of its places */
-    long inside, beyond; /* places of the bed's cell and of what is across the face, in the lines of the block */
+struct patch_face { /* a face of a patch; patch -1: none */
+    int patch, face;
+};
+struct dense_border {        /* a face of the bed that is not BED_INNER */
+    int face, block;         /* in the bed's list; the block of its places */
+    long inside, beyond;     /* places of the bed's cell and of what is across the face, in the lines of the block */
+    struct patch_face patch; /* which it is a part of */
 };
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     struct bed bed;
@@ -43,11 +47,16 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     double above, hard;   /* kg/m^3: denser cells are dense, or hard */
     double **part;        /* [blocks][size] enum bed_part, 0: none; ghosts too */
     bool alone;           /* is every cell one of the bed? */
-    double inertia;       /* of the dense cells in the last plan */
-    double cooling;       /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
-    bool begun;           /* are the stages at work, whose results in cells of the bed are given up? */
-    double kick[MAX_DIM]; /* m/s^2: mean acceleration by gravity in the last step of the bed */
-    double longest;       /* s: the step that was planned; 0: the next step is explicit */
+    /* [blocks] of [1 + sides * tensors][size]: what friction keeps from step to step, the pressure of each cell and the
+     * stress on each of its sides (struct bed_set); NULL without friction */
+    double **kept;
+    int sides;                  /* most of a cell */
+    bool relisted;              /* does `kept` hold cells that are no longer in the bed? */
+    double inertia;             /* of the dense cells in the last plan */
+    double cooling;             /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
+    bool begun;                 /* are the stages at work, whose results in cells of the bed are given up? */
+    double kick[MAX_DIM];       /* m/s^2: mean acceleration by gravity in the last step of the bed */
+    double longest;             /* s: the step that was planned; 0: the next step is explicit */
     struct gas_bed_bound bound; /* why it is explicit; its cause is BED_CAUSES if it is not, or no gas is dense */
     double plain, usual; /* s: the explicit step in the last plan, and that which implicit ones are compared with */
     bool refused;        /* was the last step of the bed refused: it would damp sound, or gas leans on an outlet? */
@@ -158,11 +167,12 @@ struct stepping {           /* the step in hand and those before it (libcore/ste
     bool held;               /* is a copy of the field `limited` kept, from before it? */
 };
 
-struct blocks {           /* of the state, and sums over them (libcore/gas/blocks.c) */
-    int n;                /* tiles, or 1 */
-    const double *volume; /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
-    double unit;          /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
-    double *sums;         /* [nvar][blocks of the grid] scratch */
+struct blocks {              /* of the state, and sums over them (libcore/gas/blocks.c) */
+    int n;                   /* tiles, or 1 */
+    const struct grid *grid; /* the mesh of polyhedra, borrowed; NULL on a lattice */
+    const double *volume;    /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
+    double unit;             /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
+    double *sums;            /* [nvar][blocks of the grid] scratch */
 };
 
 struct books {           /* what a step is booked in (libcore/step/books.c) */
@@ -173,10 +183,9 @@ struct books {           /* what a step is booked in (libcore/step/books.c) */
 struct gas {
     const struct engine *engine;
     const struct comm *comm;
-    struct forest *forest;   /* the mesh, borrowed: a lattice cut into tiles; NULL on polyhedra */
-    const struct grid *grid; /* the mesh of polyhedra, borrowed; NULL on a lattice */
-    struct tiles *tiles;     /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
-    struct cells *cells;     /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
+    struct forest *forest; /* the mesh, borrowed: a lattice cut into tiles; NULL on polyhedra */
+    struct tiles *tiles;   /* memory of the engine of the lattice (libcore/lattice/tiles.h), or NULL */
+    struct cells *cells;   /* memory of the engine of polyhedra (libcore/polyhedral/cells.h), or NULL */
     struct gas_models models;
     int dim;
     int components; /* of u: those along the dim axes of the mesh, then those it does not resolve */
@@ -195,7 +204,8 @@ struct gas {
     struct falling falling;
     struct half_diffusion diffusion;
 
-    struct dense *dense; /* implicit acoustics; NULL: there are none */
+    struct dense *dense;     /* implicit acoustics; NULL: there are none */
+    struct carried *carried; /* libcore/gas/carried.h; NULL: the gas carries nothing */
     struct counting counts;
     struct books books;
 };
@@ -232,6 +242,9 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
 /* ---- implicit acoustics of dense cells (libcore/gas/dense.c) ---- */
 
 status dense_make(struct gas *g);
+void dense_keep_friction(struct gas *g); /* keeps what friction needs in the next step */
+/* The kind (enum bed_kind) of a face of the bed beyond which there is a patch; -1: another cell. */
+int dense_kind(const struct gas *g, int patch);
 void dense_free(struct gas *g);
 struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 1/rate */
     double thin;    /* sum_k (|u_k| + c)/width_k outside of the frozen parts */
@@ -459,5 +472,7 @@ static inline void first_place_offer(struct first_place *p, const double here[3]
 }
 /* Sets `place` to the first over all ranks, HUGE_VAL if no rank found one. Collective. */
 void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]);
+/* Finds the first cell of s that has a rate. Collective. */
+void place_of_rate(struct gas *g, enum rate what, const struct state *s, double wanted, double place[3]);
 
 #endif

@@ -133,10 +133,12 @@ static void tiles_free(struct gas *g) {
 static void tiles_cells(const struct gas *g, int block, const struct state *s, struct block_cells *out) {
     const struct forest *f = g->forest;
     const struct forest_block *b = &f->block[block];
-    if (s) activity_store_all(g, b->tile, s);
-    *out = (struct block_cells){.block = b->tile, .first = f->first};
+    const struct activity *a = &g->tiles->activity;
+    *out = (struct block_cells){
+        .block = b->tile, .first = f->first, .row = {f->step[1] > 0, f->step[2] > 0 ? a->rows : 0}};
     memcpy(out->n, b->n, sizeof out->n);
     memcpy(out->step, f->step, sizeof out->step);
+    if (s && s->varied) out->varied = activity_row(a, s->varied[b->tile], 0, 0);
 }
 
 struct hand_over { /* hands runs of a tile's cells to a visitor of rows */
@@ -189,16 +191,6 @@ static void tiles_join(const struct gas *g, const struct state *a, const struct 
     }
 }
 
-/* The values of the background of a tile without varied cells. */
-static bool tiles_block_uniform(const struct gas *g, int block, enum gas_field field, double value[3]) {
-    const int tile = g->forest->block[block].tile, *n = g->forest->tile[tile].n;
-    for (int k = 0; k < n[2] && !g->U.calm[tile]; k++)
-        for (int j = 0; j < n[1]; j++)
-            if (!span_empty(*activity_row(&g->tiles->activity, g->U.varied[tile], j, k))) return false;
-    field_row(g, field, 1, g->size, g->U.block[tile], (double *[]){value, value + 1, value + 2});
-    return true;
-}
-
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {
     const struct forest *f = g->forest;
     const struct tile *t = &f->tile[tile];
@@ -249,8 +241,6 @@ void speed_visit(void *context, long offset, int n) {
         fast_row(n, w->velocity[k] + offset, w->c + offset, fast);
         s->most.axis[k] = larger(s->most.axis[k], largest(n, fast));
     }
-    for (int i = 0; s->wanted > 0 && s->found < 0 && i < n; i++)
-        if (rate[i] == s->wanted) s->found = offset + i;
     s->most.rate = larger(s->most.rate, largest(n, rate));
     loose_row(n, PACKED * g->limits.most, s->U + offset, rate);
     s->most.loose = larger(s->most.loose, largest(n, rate));
@@ -266,7 +256,7 @@ void speed_of_background(struct speeds *s) {
 }
 
 static void tiles_speed(struct gas *g, struct gas_speed *speed) {
-    struct speeds s = {.g = g, .found = -1};
+    struct speeds s = {.g = g};
     for (int t = 0; t < g->forest->ntiles; t++) {
         s.U = g->U.block[t];
         s.p = RANGE_EMPTY;
@@ -278,18 +268,20 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
     fronts_speed(g, speed);
 }
 
-static void tiles_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    struct first_place first = {.order = HUGE_VAL};
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        struct speeds s = {.g = g, .U = g->U.block[t], .wanted = speed->rate, .found = -1};
-        activity_store_all(g, t, &g->U);
-        runs_visit(g->forest, &g->forest->tile[t], 0, speed_visit, &s);
-        if (s.found < 0) continue;
-        double here[3];
-        tiles_place(g, t, s.found, here);
-        first_place_offer(&first, here);
+/* Rates of diffusion are found with the 1/rho that is still kept. */
+static void tiles_rates(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate) {
+    const struct work *w = &g->tiles->work;
+    const size_t bytes = (size_t)row->n * sizeof *rate;
+    double diffusing[2][BATCH];
+    if (what != OF_FLOW) {
+        tiles_diffusion_rates_row(g, row->block, row->at, row->n, diffusing);
+        memcpy(rate, diffusing[what], bytes);
+        return;
     }
-    first_place_agree(g, &first, place);
+    primitives_of_row(g, s->block[row->block], row->at, row->n);
+    memset(rate, 0, bytes);
+    for (int k = 0; k < g->dim; k++)
+        rate_row(row->n, 1 / g->forest->width[k], w->velocity[k] + row->at, w->c + row->at, rate);
 }
 
 const struct engine engine_lattice = {
@@ -302,13 +294,11 @@ const struct engine engine_lattice = {
               .unfold = tiles_unfold,
               .fill = tiles_fill,
               .place = tiles_place,
-              .block_uniform = tiles_block_uniform,
               .speed = tiles_speed,
-              .fastest_place = tiles_fastest_place,
+              .rates = tiles_rates,
               .shear_rate = tiles_shear_rate},
     .stage = {.fronts = tiles_fronts, .stage = tiles_stage, .last_stage = tiles_last_stage, .redo = tiles_redo},
     .diffusion = {.rates = tiles_diffusion_rates,
-                  .stiffest_place = tiles_stiffest_place,
                   .ghosts = tiles_diffusion_ghosts,
                   .begin = tiles_diffusion_begin,
                   .stage = tiles_diffusion_stage,
@@ -329,4 +319,13 @@ const struct engine engine_lattice = {
             .keep = tiles_bed_keep,
             .unfold = tiles_bed_unfold,
             .spread = tiles_bed_spread},
-    .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit}};
+    .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit},
+    .carried = {.make = tiles_carried_make,
+                .free = tiles_carried_free,
+                .fill = tiles_carried_fill,
+                .fill_phi = tiles_carried_fill_phi,
+                .slope = tiles_carried_slope,
+                .terms = tiles_carried_terms,
+                .most_out = tiles_carried_most_out,
+                .slopes = tiles_carried_slopes,
+                .move = tiles_carried_move}};

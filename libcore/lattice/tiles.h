@@ -33,9 +33,6 @@ struct work { /* scratch of the tile in hand, [size] each */
     double pace[MAX_DIM][BATCH]; /* dt/width along each axis, for fluxes that are paced */
     struct range *density;       /* [rows of activity_row] of the cells that the stage in hand reads */
 };
-struct span { /* the columns low <= i < high of a row of a tile */
-    int low, high;
-};
 #define SPAN_EMPTY ((struct span){1 << 20, -(1 << 20)})
 static inline bool span_empty(struct span s) {
     return s.low >= s.high;
@@ -92,7 +89,8 @@ void tiles_shear_rate(struct gas *g, const struct state *s); /* libcore/lattice/
 status tiles_diffuser_make(struct gas *g);
 void tiles_diffuser_free(struct gas *g);
 void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
-void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
+/* Computes the rates of n cells of a tile from `at` on, with 1/rho as the last tiles_diffusion_rates found it. */
+void tiles_diffusion_rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]);
 void tiles_diffusion_ghosts(struct gas *g, const struct state *s);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -162,8 +160,6 @@ struct speeds { /* wave speeds that speed_visit gathers on this rank */
     const double *last; /* the block whose background was looked at last; NULL: there is none */
     struct gas_speed most;
     struct range p, background; /* Pa: of the tile in hand, and of the background that was looked at last */
-    double wanted;              /* if > 0, the rate of the cell that is looked for */
-    long found;                 /* the offset of that cell; -1: none yet */
 };
 void speed_visit(void *speeds, long offset, int n);
 /* As speed_visit for the tile's background, which often is that of the tile before. */
@@ -273,6 +269,21 @@ int tiles_tally_place(const struct gas *g, int tile, int side, long offset);
 /* Gives all faces of a tile the flux of its background, before a stage of it; then notes the fluxes of a strip. */
 void tiles_tally_begin(struct gas *g, int tile, const double *U);
 void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
+
+/* Carried quantities (libcore/lattice/tiles_carried.c): the hooks of libcore/gas/carried.h. */
+status tiles_carried_make(struct gas *g);
+void tiles_carried_free(struct gas *g);
+void tiles_carried_fill(struct gas *g, double **line);
+void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
+void tiles_carried_slope(struct gas *g, double **line, double **out);
+void tiles_carried_terms(struct gas *g, double dt);
+void tiles_carried_most_out(const struct gas *g, double most[2]);
+void tiles_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+void tiles_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+/* Give all faces of a tile the flux of mass of its background, before a stage of it; then note those below and above n
+ * cells of a row. */
+void tiles_carry_begin(struct gas *g, int tile, const double *U);
+void tiles_carry(struct gas *g, int tile, int axis, long offset, int n, const double *low, const double *high);
 
 /* One stage of one tile: to = W + a (U0 - W), W = from + dt L(from); returns the number of cells that are not
  * admissible and raises their flags. */

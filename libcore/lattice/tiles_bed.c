@@ -52,6 +52,7 @@ status tiles_bed_make(struct gas *g) {
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->tiles->bed = b;
     make_shapes(g, b);
+    g->dense->sides = 2 * g->dim;
     return allocate(&b->fluxes, f->ntiles, sizeof(double *), "tiles");
 }
 
@@ -108,7 +109,7 @@ static bool beside_bed(const struct gas *g, int tile) {
     return false;
 }
 
-/* Dilates the dense part by three rings of neighbours. */
+/* Marks the frozen, live and outer cells around the dense ones (enum bed_part). */
 void tiles_bed_rings(struct gas *g) {
     struct forest *f = g->forest;
     bool *holds = g->dense->holds;
@@ -190,23 +191,21 @@ static struct listing list_cells(struct gas *g, bool blocks) {
     return l;
 }
 
-/* The patch beyond the face of a cell at `at` along an axis; -1: there is none. */
-static int patch_beyond(const struct gas *g, int tile, long at, int axis, bool above) {
+/* The patch beyond the face of a cell at `at` along an axis, and the face within it; patch -1: there is none. */
+static struct patch_face patch_beyond(const struct gas *g, int tile, long at, int axis, bool above) {
     const struct tile *t = &g->forest->tile[tile];
     const struct forest *f = g->forest;
+    const struct side *side = &t->side[2 * axis + above];
     long remains = at - f->first;
-    int place = 0;
-    for (int k = 2; k >= axis; k--) {
-        if (k >= g->dim) continue;
-        place = (int)(remains / f->stride[k]);
-        remains -= place * f->stride[k];
+    int place[3] = {0}, face = 0;
+    for (int k = g->dim - 1; k >= 0; k--) {
+        place[k] = (int)(remains / f->stride[k]);
+        remains -= place[k] * f->stride[k];
     }
-    return place == (above ? t->n[axis] - 1 : 0) ? t->side[2 * axis + above].patch : -1;
-}
-
-static int kind_beyond(const struct gas *g, int tile, long at, int axis, bool above) {
-    const int patch = patch_beyond(g, tile, at, axis, above);
-    return patch < 0 ? BED_KEPT : patch_is_wall(&g->patches.rules[patch]) ? BED_WALL : BED_OPEN;
+    if (side->patch < 0 || place[axis] != (above ? t->n[axis] - 1 : 0)) return (struct patch_face){-1, 0};
+    for (int k = g->dim - 1; k >= 0; k--)
+        if (k != axis) face = face * t->n[k] + place[k];
+    return (struct patch_face){side->patch, side->face[face]};
 }
 
 /* The place of a cell's lower or upper face along an axis in the list of the cells' faces. */
@@ -221,13 +220,15 @@ static void add_face(struct gas *g, int tile, long at, int i, int axis, bool abo
     const int f = bed->faces++;
     bed->left[f] = above ? bed->low + i : other;
     bed->right[f] = above ? other : bed->low + i;
-    bed->kind[f] = (unsigned char)(other >= 0 ? BED_INNER : kind_beyond(g, tile, at, axis, above));
+    const struct patch_face beyond = patch_beyond(g, tile, at, axis, above);
+    bed->kind[f] = (unsigned char)(other >= 0 ? BED_INNER : dense_kind(g, beyond.patch));
     bed->shape[f] = axis;
     bed->face_of_cell[side_entry(g, i, axis, above)] = above ? f : ~f;
     if (other >= bed->low && other < bed->low + bed->cells)
         bed->face_of_cell[side_entry(g, other - bed->low, axis, false)] = ~f;
     if (other < 0)
-        d->border[d->borders++] = (struct dense_border){f, tile, at, at + (above ? 1 : -1) * g->forest->stride[axis]};
+        d->border[d->borders++] =
+            (struct dense_border){f, tile, at, at + (above ? 1 : -1) * g->forest->stride[axis], beyond};
 }
 
 /* Makes the face above each cell, and that below where no cell of this rank makes it. */

@@ -123,8 +123,7 @@ KERNEL static void add_rates(int n, long step, long size, const double *restrict
     }
 }
 
-/* Computes the rates of n cells of a tile from `at` on; `light` is set. */
-static void rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]) {
+void tiles_diffusion_rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]) {
     const struct forest *f = g->forest;
     const struct diffuser *d = g->tiles->diffuser;
     const double factor[2] = {1, temperature_of(&g->models.material, 1)}, *light = d->light[tile] + at;
@@ -142,28 +141,10 @@ static void tile_rates(const struct gas *g, int tile, const double *rho, double 
         for (int j = 0; j < n[1]; j++) {
             const long at = row_at(g->forest, j, k);
             for (int i = 0; i < n[0]; i++) light[at + i] = 1 / rho[at + i];
-            rates_row(g, tile, at, n[0], rate);
+            tiles_diffusion_rates_row(g, tile, at, n[0], rate);
             for (int what = 0; what < 2; what++)
                 for (int i = 0; i < n[0]; i++) most[what] = larger(rate[what][i], most[what]);
         }
-}
-
-void tiles_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]) {
-    const struct forest *f = g->forest;
-    (void)Y0; /* its 1/rho is still kept */
-    struct first_place first = {.order = HUGE_VAL};
-    double rate[2][BATCH], here[3];
-    for (int t = 0; t < f->ntiles; t++)
-        for (int row = 0; row < f->tile[t].n[1] * f->tile[t].n[2]; row++) {
-            const long at = row_at(f, row % f->tile[t].n[1], row / f->tile[t].n[1]);
-            rates_row(g, t, at, f->tile[t].n[0], rate);
-            for (int i = 0; i < f->tile[t].n[0]; i++) {
-                if (rate[what][i] != wanted) continue;
-                tiles_place(g, t, at + i, here);
-                first_place_offer(&first, here);
-            }
-        }
-    first_place_agree(g, &first, place);
 }
 
 void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *context) {

@@ -417,6 +417,8 @@ static void advance_cells(struct stage_sweep *x, int j, int k) {
         const double *low = (*lines_above(x, a, j - (a == 1), k - (a == 2)))[0], *high = (*lines_above(x, a, j, k))[0];
         f[a] = faces_of_row(g, a, low + s.low, high + s.low);
     }
+    for (int a = 0; a < g->dim && g->carried; a++)
+        tiles_carry(g, x->tile, a, row + s.low, s.high - s.low, f[a].low[0], f[a].high[0]);
     residual_row(g->dim, s.high - s.low, g->nvar, f, residual);
     update_row(x->update, row + s.low, s.high - s.low, residual);
 }
@@ -487,6 +489,7 @@ int stage_of_tile(struct gas *g, int tile, const struct state *U0, const struct 
     if (g->models.flux->paced) set_paces(g);
     if (g->falling.cells) balance_walls(g, tile, &sweep.pass.walls);
     if (g->books.tally) tiles_tally_begin(g, tile, from->block[tile]);
+    if (g->carried) tiles_carry_begin(g, tile, from->block[tile]);
     if (activity_spread(g, tile, U0, from)) {
         activity_store(g, tile, from, active->needed, GHOSTS);
         activity_store(g, tile, U0, active->active, 0);

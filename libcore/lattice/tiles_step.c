@@ -63,6 +63,7 @@ static void settle_tile(struct gas *g, int tile, const struct state *U0, const s
     }
     for (int v = 0; v < g->nvar; v++) s.to[v * g->size] = last->to[v];
     if (g->books.tally) tiles_tally_begin(g, tile, s.from);
+    if (g->carried) tiles_carry_begin(g, tile, s.from);
     activity_empty(g, tile, to);
     g->counts.all += (long)n[0] * n[1] * n[2];
 }
@@ -103,7 +104,7 @@ long tiles_stage(struct gas *g, const struct state *U0, const struct state *from
 
 long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                       double dt, struct ending *ending) {
-    struct closing c = {.half = {.g = g, .plan = ending->sources}, .speeds = {.g = g, .found = -1}};
+    struct closing c = {.half = {.g = g, .plan = ending->sources}, .speeds = {.g = g}};
     long bad = do_stage(g, U0, from, to, a, dt, &c);
     ending->speed = c.speeds.most;
     fronts_speed(g, &ending->speed);

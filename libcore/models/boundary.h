@@ -113,6 +113,7 @@ struct patch_rules {         /* the rules of one patch; an empty or cyclic patch
     struct rule velocity;    /* its values are u, with all components that the gas has (libcore/gas/gas.h), or rho u */
     struct rule temperature; /* its values are T, or p */
     bool pressure;           /* are they p? */
+    const struct rule *carried; /* of the carried quantities, one each; borrowed */
 };
 
 bool rule_holds(const struct rule *rule);    /* does the rule give values to the gas beyond the patch? */

@@ -25,15 +25,15 @@ static void restrict_inside(const struct level *l, int parts, double *r) {
     for (int i = 0; i < parts; i++) r[i] = 0;
     for (int i = 0; i < l->rows; i++) {
         double sum = 0;
-        if (l->part[i] < 0) continue;
+        if (l->aggregate[i] < 0) continue;
         for (int k = l->first[3 * i + 1]; k < l->first[3 * i + 2]; k++) sum += l->weight[k] * l->x[l->link[k]];
-        r[l->part[i]] += sum;
+        r[l->aggregate[i]] += sum;
     }
 }
 
 static void restrict_outside(const struct level *l, double *r) {
     for (int e = 0; e < l->edges; e++)
-        if (l->part[l->edge[e]] >= 0) r[l->part[l->edge[e]]] += outside(l, e);
+        if (l->aggregate[l->edge[e]] >= 0) r[l->aggregate[l->edge[e]]] += outside(l, e);
 }
 
 /* Improves x by M' = D + U; other blocks' values are those from before. */
@@ -83,7 +83,7 @@ static void cycle(struct multigrid *m, int level) {
     correct(m, level + 1);
     if (gather) multigrid_take_correction(m);
     for (int i = 0; i < l->rows + l->ghosts; i++)
-        if (l->part[i] >= 0) l->x[i] += next->c[l->part[i]];
+        if (l->aggregate[i] >= 0) l->x[i] += next->c[l->aggregate[i]];
     sweep_backward(l);
 }
 

@@ -165,7 +165,7 @@ static int number(const struct groups *s, struct level *l, struct level *to) {
     for (int b = 0; b < l->blocks; b++) {
         to->block[b] = rows;
         for (int i = l->block[b]; i < l->block[b + 1]; i++)
-            l->part[i] = s->group[i] < 0 ? DROPPED : s->group[i] == i ? rows++ : l->part[s->group[i]];
+            l->aggregate[i] = s->group[i] < 0 ? DROPPED : s->group[i] == i ? rows++ : l->aggregate[s->group[i]];
     }
     to->block[l->blocks] = rows;
     return rows;
@@ -174,10 +174,10 @@ static int number(const struct groups *s, struct level *l, struct level *to) {
 static void list_members(struct level *l, int parts) {
     for (int i = 0; i <= parts; i++) l->member_first[i] = 0;
     for (int i = 0; i < l->rows; i++)
-        if (l->part[i] >= 0) l->member_first[l->part[i] + 1]++;
+        if (l->aggregate[i] >= 0) l->member_first[l->aggregate[i] + 1]++;
     for (int i = 0; i < parts; i++) l->member_first[i + 1] += l->member_first[i];
     for (int i = 0; i < l->rows; i++)
-        if (l->part[i] >= 0) l->member[l->member_first[l->part[i]]++] = i;
+        if (l->aggregate[i] >= 0) l->member[l->member_first[l->aggregate[i]]++] = i;
     for (int i = parts; i > 0; i--) l->member_first[i] = l->member_first[i - 1];
     l->member_first[0] = 0;
 }
@@ -185,7 +185,7 @@ static void list_members(struct level *l, int parts) {
 status multigrid_aggregate(struct level *l, int passes, struct level *to) {
     const long n = l->rows;
     struct groups s = {.l = l};
-    TRY(ARRAYS_GROW(&l->arrays, l->part, n + l->ghosts));
+    TRY(ARRAYS_GROW(&l->arrays, l->aggregate, n + l->ghosts));
     TRY(ARRAYS_GROW(&l->arrays, l->member_first, 2 * n + 1));
     TRY(ARRAYS_GROW(&l->arrays, l->groups, 8 * n));
     TRY(ARRAYS_GROW(&l->arrays, l->masses, 2 * n));

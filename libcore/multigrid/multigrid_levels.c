@@ -20,9 +20,9 @@ struct marks {
     int n;
 };
 
-static void find(const struct matrix *a, const int *part, int i, int row, struct marks *k, int *map) {
+static void find(const struct matrix *a, const int *aggregate, int i, int row, struct marks *k, int *map) {
     for (int l = a->first[a->stride * i]; l < a->first[a->stride * (i + 1)]; l++) {
-        const int c = part ? part[a->link[l]] : a->link[l];
+        const int c = aggregate ? aggregate[a->link[l]] : a->link[l];
         map[l] = c == row ? INSIDE : c;
         if (c == row || c < 0 || k->stamp[c] == row) continue;
         k->stamp[c] = row;
@@ -47,14 +47,14 @@ static void sort_row(struct level *to, int row, int begin, int end, struct marks
 }
 
 static void lay_rows(const struct matrix *a, const struct level *fine, struct level *to, struct marks *k) {
-    const int *part = fine ? fine->part : NULL;
+    const int *aggregate = fine ? fine->aggregate : NULL;
     for (int c = 0; c < to->rows + to->ghosts; c++) k->stamp[c] = -1;
     to->links = to->edges = 0;
     for (int b = 0; b < to->blocks; b++)
         for (int row = to->block[b]; row < to->block[b + 1]; row++) {
             const int begin = fine ? fine->member_first[row] : row, end = fine ? fine->member_first[row + 1] : row + 1;
             k->n = 0;
-            for (int j = begin; j < end; j++) find(a, part, fine ? fine->member[j] : j, row, k, to->map);
+            for (int j = begin; j < end; j++) find(a, aggregate, fine ? fine->member[j] : j, row, k, to->map);
             sort_row(to, row, to->block[b], to->block[b + 1], k);
             for (int j = begin; j < end; j++) {
                 const int i = fine ? fine->member[j] : j;
@@ -86,11 +86,11 @@ status multigrid_lay(const struct matrix *a, const struct level *fine, struct le
     return OK;
 }
 
-void multigrid_sum(const struct matrix *a, const int *part, struct level *to) {
+void multigrid_sum(const struct matrix *a, const int *aggregate, struct level *to) {
     for (int i = 0; i < to->rows; i++) to->excess[i] = 0;
     for (int l = 0; l < to->links; l++) to->weight[l] = 0;
     for (int i = 0; i < a->rows; i++) {
-        const int row = part ? part[i] : i;
+        const int row = aggregate ? aggregate[i] : i;
         if (row < 0) continue;
         double excess = a->excess[i];
         for (int l = a->first[a->stride * i]; l < a->first[a->stride * (i + 1)]; l++) {

@@ -31,7 +31,7 @@ struct level {
     int *edge;                    /* [edges] rows with links to other blocks */
     double *damp, *kept;          /* [edges] what the smoother's diagonal has more than A's; right sides */
     int *map;                     /* [links of the finer matrix] their place here, INSIDE or DROPPED */
-    int *part;                    /* [rows + ghosts] aggregate, which is a row of the next level, or DROPPED */
+    int *aggregate;               /* [rows + ghosts] its row of the next level, or DROPPED */
     int *member_first, *member;   /* [rows of the next level + 1], [rows] */
     double *r, *x, *c, *v;        /* [rows + ghosts] right side, result of a cycle, correction, its image */
     int sent, *send;              /* [sent] rows that other ranks' rows are linked to: all ranks get their values */
@@ -88,15 +88,15 @@ struct multigrid {
     struct arrays arrays;
 };
 
-/* multigrid_levels.c. part NULL: each row is its own aggregate. multigrid_lay lays out the matrix of the sums over
+/* multigrid_levels.c. aggregate NULL: each row is its own. multigrid_lay lays out the matrix of the sums over
  * aggregates, whose rows, ghosts and blocks are known; multigrid_sum computes it. */
 struct matrix multigrid_matrix(const struct level *l);
 status multigrid_lay(const struct matrix *a, const struct level *fine, struct level *to);
-void multigrid_sum(const struct matrix *a, const int *part, struct level *to);
+void multigrid_sum(const struct matrix *a, const int *aggregate, struct level *to);
 void multigrid_smoother(struct level *l, const double *diagonal); /* NULL: of excess and weights */
 status multigrid_vectors(struct level *l);
 
-/* multigrid_aggregate.c: finds part[rows] and the members; rows and blocks of `to`. */
+/* multigrid_aggregate.c: finds aggregate[rows] and the members; rows and blocks of `to`. */
 status multigrid_aggregate(struct level *l, int passes, struct level *to);
 
 /* multigrid_direct.c */

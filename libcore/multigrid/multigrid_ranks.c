@@ -139,7 +139,8 @@ status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct lev
     TRY(comm_agree(m->comm, s));
     name = to->name + l->ghosts;
     name_rows(m, to, name);
-    for (int i = 0; i < l->rows; i++) l->x[i] = !fine ? name[i] : fine->part[i] < 0 ? -1 : name[fine->part[i]];
+    for (int i = 0; i < l->rows; i++)
+        l->x[i] = !fine ? name[i] : fine->aggregate[i] < 0 ? -1 : name[fine->aggregate[i]];
     multigrid_send(m, l, l->x);
     multigrid_receive(m, l, l->x);
     if (fine) to->ghosts = 0;
@@ -148,10 +149,10 @@ status multigrid_name_ghosts(struct multigrid *m, struct level *fine, struct lev
         if (!fine) {
             to->name[g] = n;
         } else if (n < 0) {
-            fine->part[l->rows + g] = DROPPED;
+            fine->aggregate[l->rows + g] = DROPPED;
         } else {
             if (!ghost[n]) to->name[to->ghosts++] = n, ghost[n] = to->ghosts;
-            fine->part[l->rows + g] = to->rows + ghost[n] - 1;
+            fine->aggregate[l->rows + g] = to->rows + ghost[n] - 1;
         }
     }
     free(ghost);

@@ -68,7 +68,7 @@ static status coarsen_spread(struct multigrid *m, struct level *l, struct level 
     status s = multigrid_lay(&a, l, to);
     if (!s) s = multigrid_vectors(to);
     TRY(comm_agree(m->comm, s));
-    multigrid_sum(&a, l->part, to);
+    multigrid_sum(&a, l->aggregate, to);
     multigrid_smoother(to, NULL);
     return OK;
 }
@@ -80,7 +80,7 @@ static status coarsen(struct level *l, struct level *to) {
     to->spread = false;
     TRY(multigrid_lay(&a, l, to));
     TRY(multigrid_vectors(to));
-    multigrid_sum(&a, l->part, to);
+    multigrid_sum(&a, l->aggregate, to);
     multigrid_smoother(to, NULL);
     return OK;
 }
@@ -130,13 +130,13 @@ static void refill(struct multigrid *m, const struct multigrid_rows *rows, const
     struct matrix a = *first;
     for (int l = 0; l <= m->spread; l++) {
         struct level *to = l == m->spread ? &m->local : &m->level[l];
-        multigrid_sum(&a, l ? m->level[l - 1].part : NULL, to);
+        multigrid_sum(&a, l ? m->level[l - 1].aggregate : NULL, to);
         multigrid_smoother(to, l ? NULL : rows->diagonal);
         a = multigrid_matrix(to);
     }
     a = multigrid_gather(m, block);
     for (int l = m->spread; l < m->levels; l++) {
-        multigrid_sum(&a, l > m->spread ? m->level[l - 1].part : NULL, &m->level[l]);
+        multigrid_sum(&a, l > m->spread ? m->level[l - 1].aggregate : NULL, &m->level[l]);
         multigrid_smoother(&m->level[l], NULL);
         a = multigrid_matrix(&m->level[l]);
     }

@@ -64,7 +64,7 @@ static status cells_make(struct gas *g) {
     struct cells *c;
     TRY(allocate(&c, 1, sizeof *c, "the gas"));
     g->cells = c;
-    c->polyhedra = g->grid->polyhedra;
+    c->polyhedra = g->blocks.grid->polyhedra;
     for (int f = 0; f < c->polyhedra->face.n; f++)
         if (c->polyhedra->face.point_start[f + 1] - c->polyhedra->face.point_start[f] > BATCH)
             return fail(ERR_INPUT, "a face has too many corners for %d quadrature points", BATCH);
@@ -189,18 +189,13 @@ static void cells_speed(struct gas *g, struct gas_speed *speed) {
         .rate = most[0], .loose = most[1], .axis = {most[2], most[2], most[2]}, .low = least, .high = most[3]};
 }
 
-static void cells_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double rate[BATCH], fast[BATCH], cell = HUGE_VAL;
+static void cells_rates(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate) {
+    double fast[BATCH];
     struct cells_primitives q;
-    for (int from = 0; from < m->nown; from += BATCH) {
-        int n = m->nown - from < BATCH ? m->nown - from : BATCH;
-        rate_batch(g, from, n, &q, rate, fast);
-        for (int i = 0; i < n; i++)
-            if (rate[i] == speed->rate) cell = smaller(cell, m->cell[from + i]);
-    }
-    comm_min(g->comm, &cell, 1);
-    polyhedra_place(m, isfinite(cell) ? (long)cell : -1, place);
+    if (what == OF_FLOW)
+        rate_batch(g, (int)row->at, row->n, &q, rate, fast);
+    else
+        cells_diffusion_rates_row(g, (enum diffusing)what, s->block[0], row, rate);
 }
 
 static status cells_tally_rest(const struct gas *g, double force[MAX_DIM]) {
@@ -221,13 +216,12 @@ const struct engine engine_polyhedral = {.state = {.make = cells_make,
                                                    .fill = cells_fill,
                                                    .place = cells_place,
                                                    .speed = cells_speed,
-                                                   .fastest_place = cells_fastest_place,
+                                                   .rates = cells_rates,
                                                    .shear_rate = cells_shear_rate},
                                          .stage = {.fronts = cells_fronts, .stage = cells_stage, .redo = cells_redo},
                                          .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
                                                        .cooled_first = true,
                                                        .rates = cells_diffusion_rates,
-                                                       .stiffest_place = cells_stiffest_place,
                                                        .ghosts = cells_diffusion_ghosts,
                                                        .begin = cells_diffusion_begin,
                                                        .stage = cells_diffusion_stage,
@@ -249,6 +243,15 @@ const struct engine engine_polyhedral = {.state = {.make = cells_make,
                                                    .bed = cells_tally_bed,
                                                    .visit = cells_tally_visit,
                                                    .rest = cells_tally_rest},
+                                         .carried = {.make = cells_carried_make,
+                                                     .free = cells_carried_free,
+                                                     .fill = cells_carried_fill,
+                                                     .fill_phi = cells_carried_fill_phi,
+                                                     .slope = cells_carried_slope,
+                                                     .terms = cells_carried_terms,
+                                                     .most_out = cells_carried_most_out,
+                                                     .slopes = cells_carried_slopes,
+                                                     .move = cells_carried_move},
                                          .implicit = {.across = cells_implicit_across,
                                                       .sum = cells_implicit_sum,
                                                       .beyond = cells_implicit_beyond,

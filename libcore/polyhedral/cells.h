@@ -46,6 +46,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_fronts *fronts;         /* libcore/polyhedral/cells_fronts.c; NULL: nothing is done about fronts */
     struct cells_rules *rules;           /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
     struct cells_shear_rate *shear_rate; /* libcore/polyhedral/cells_shear_rate.c; NULL: no law asks for it */
+    struct cells_carried *carried;       /* libcore/polyhedral/cells_carried.c; NULL: the gas carries nothing */
     struct cells_bed *bed;               /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
 
@@ -189,6 +190,19 @@ void cells_bed_balance(struct gas *g, const struct state *from);
 void cells_bed_keep(struct gas *g, double weight);
 void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
 
+/* Carried quantities (libcore/polyhedral/cells_carried.c): the hooks of libcore/gas/carried.h; cells_carry notes the
+ * fluxes of mass of a stage. */
+status cells_carried_make(struct gas *g);
+void cells_carried_free(struct gas *g);
+void cells_carried_fill(struct gas *g, double **line);
+void cells_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
+void cells_carried_slope(struct gas *g, double **line, double **out);
+void cells_carried_terms(struct gas *g, double dt);
+void cells_carried_most_out(const struct gas *g, double most[2]);
+void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+void cells_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+void cells_carry(struct gas *g);
+
 /* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks of libcore/gas/tally.h; and what diffusion
  * passes on, by the fluxes in hand. */
 status cells_tally_make(const struct gas *g, struct tally *t);
@@ -210,7 +224,8 @@ void cells_shear_rate(struct gas *g, const struct state *s);
 status cells_diffuser_make(struct gas *g);
 void cells_diffuser_free(struct cells_diffuser *d);
 void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
-void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]);
+void cells_diffusion_rates_row(const struct gas *g, enum diffusing what, const double *rho, const struct row *row,
+                               double *rate);
 void cells_diffusion_ghosts(struct gas *g, const struct state *s);
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],

@@ -56,6 +56,10 @@ status cells_bed_make(struct gas *g) {
     TRY(bed_make(&g->dense->bed, m->nblocks));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->cells->bed = b;
+    for (int i = 0; i < m->nown; i++) {
+        const int sides = m->face_start[i + 1] - m->face_start[i];
+        g->dense->sides = sides > g->dense->sides ? sides : g->dense->sides;
+    }
     TRY(allocate(&b->face, m->face.n, sizeof(int), "the bed"));
     return make_shapes(g, b);
 }
@@ -75,7 +79,7 @@ static void fill_lines(struct gas *g, int n, double *const *line) {
     polyhedra_fill_finish(g->cells->polyhedra);
 }
 
-/* Dilates the dense part by three rings of neighbours. Mirrors belong to no part. */
+/* Marks the frozen, live and outer cells around the dense ones (enum bed_part). Mirrors belong to no part. */
 void cells_bed_rings(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *part = g->dense->part[0];
@@ -162,12 +166,11 @@ static int list_face(struct gas *g, int face) {
     bed->right[at] = d->number[0][right] - 1;
     bed->kind[at] = BED_INNER;
     if (bed->left[at] >= 0 && bed->right[at] >= 0) return at;
-    if (face < f->ninternal)
-        bed->kind[at] = BED_KEPT;
-    else
-        bed->kind[at] = patch_is_wall(&g->patches.rules[f->patch[face - f->ninternal]]) ? BED_WALL : BED_OPEN;
+    const int i = face - f->ninternal;
+    const struct patch_face patch = i < 0 ? (struct patch_face){-1, 0} : (struct patch_face){f->patch[i], f->place[i]};
+    bed->kind[at] = (unsigned char)dense_kind(g, patch.patch);
     const bool in = bed->left[at] >= 0;
-    d->border[d->borders++] = (struct dense_border){at, 0, in ? left : right, in ? right : left};
+    d->border[d->borders++] = (struct dense_border){at, 0, in ? left : right, in ? right : left, patch};
     return at;
 }
 

@@ -201,15 +201,13 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     find_rates(g, U[0], most);
 }
 
-void cells_stiffest_place(struct gas *g, enum diffusing what, const struct state *Y0, double wanted, double place[3]) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double rate[2], cell = HUGE_VAL;
-    for (int i = 0; i < m->nown; i++) {
-        cell_rates(g, i, Y0->block[0][i], rate);
-        if (rate[what] == wanted) cell = smaller(cell, m->cell[i]);
+void cells_diffusion_rates_row(const struct gas *g, enum diffusing what, const double *rho, const struct row *row,
+                               double *rate) {
+    for (int i = 0; i < row->n; i++) {
+        double both[2];
+        cell_rates(g, (int)row->at + i, rho[row->at + i], both);
+        rate[i] = both[what];
     }
-    comm_min(g->comm, &cell, 1);
-    polyhedra_place(m, isfinite(cell) ? (long)cell : -1, place);
 }
 
 /* ---- S and its gradients ------------------------------------------------------------------------------------------

@@ -416,6 +416,7 @@ static long finish_sweep(struct stage *t) {
     face_fluxes(g, m->face.nlocal, m->face.ninternal, t->U);
     face_fluxes(g, m->face.ninternal, m->face.n, t->U);
     update_chunks(t, g->limits.flags.blocks[0] ? 0 : c->sweep.n, c->sweep.n + 1);
+    if (g->carried) cells_carry(g);
     g->counts.computed += m->nown;
     g->counts.all += m->nown;
     return t->count;

@@ -39,6 +39,7 @@ static void floors_of(const struct gas *g, double floors[2]) {
 
 static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
     known[GAS_FLOORS] = true;
+    known[GAS_CONTACTS] = gas_rubs(&g->models);
     known[GAS_DILATION] = g->diffusion.terms.dilation;
     for (int p = 0; p < g->patches.n; p++) {
         const struct patch_rules *r = &g->patches.rules[p];
@@ -197,7 +198,14 @@ void audit_dropped(struct gas *g, double part) {
 
 void audit_bed(struct gas *g) {
     double sum = 0;
-    if (!g->books.audit || !g->falling.cells) return;
+    if (!g->books.audit) return;
+    if (g->dense->bed.rub) {
+        g->engine->bed.spread(g, g->dense->bed.home->rubbed, g->floors.raised);
+        note_status(g->books.audit, sum_raised(g, g->floors.raised, &sum));
+        g->books.audit->weight += sum;
+        g->books.audit->now.gained[GAS_CONTACTS] += sum;
+    }
+    if (!g->falling.cells) return;
     g->engine->bed.spread(g, g->dense->bed.home->work, g->falling.dropped);
     note_status(g->books.audit, sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One time step: it is tried (libcore/step/step_parts.c), rejected and tried again, until it stands or cannot. */
+#include "libcore/gas/carried.h"
 #include "libcore/step/step_parts.h"
 
 enum {
@@ -46,7 +47,7 @@ static bool hopeless(const struct gas *g) {
 
 /* Is a step of dt one with implicit acoustics? allowed: the explicit step. */
 static bool takes_bed(const struct gas *g, double dt, double allowed) {
-    return g->dense && g->dense->longest > 0 && dt > allowed;
+    return g->dense && g->dense->longest > 0 && (dt > allowed || g->dense->bed.rub);
 }
 
 static bool try_step(struct gas *g, struct attempt *a) {
@@ -128,5 +129,6 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     TRY(count_step(g));
     dense_pass(g, *dt);
     swap_states(&g->U, &g->V);
+    TRY(carried_move(g, t, *dt));
     return books_keep(g, *dt);
 }

@@ -167,8 +167,8 @@ status setup_grid(struct setup *s, bool polyhedral, int rings) {
 }
 
 int setup_lines(const struct setup *s, int quantity) {
-    const struct medium_type *type = s->medium->type;
-    return type->quantity[quantity].components == 1 ? 1 : quantity == type->axial ? 3 : s->components;
+    const struct medium *m = s->medium;
+    return m->fields.quantity[quantity].components == 1 ? 1 : quantity == m->type->axial ? 3 : s->components;
 }
 
 /* Puts the axes along which nothing moves behind the others. */

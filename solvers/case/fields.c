@@ -606,15 +606,26 @@ static status check_patch(struct field *f, const struct field_place *place, int 
     return OK;
 }
 
+/* Checks all values by f->range. */
+static status check_values(struct field *f, const struct field_place *place) {
+    for (long i = 0; i < field_ncells(place); i++)
+        if (!(f->values[i] > f->range.low && f->values[i] < f->range.high))
+            return field_fail(f, place, i, "it must %s", f->range.allowed);
+    for (int p = 0; p < place->mesh->npatches; p++) TRY(check_patch(f, place, p));
+    return OK;
+}
+
 status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure) {
     f->range = (struct varying_range){.low = low, .high = high};
     snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s",
              low, high, cure);
-    for (long i = 0; i < field_ncells(place); i++)
-        if (!(f->values[i] > low && f->values[i] < high))
-            return field_fail(f, place, i, "it must %s", f->range.allowed);
-    for (int p = 0; p < place->mesh->npatches; p++) TRY(check_patch(f, place, p));
-    return OK;
+    return check_values(f, place);
+}
+
+status field_check_within(struct field *f, const struct field_place *place, double low, double high) {
+    f->range = (struct varying_range){.low = nextafter(low, -HUGE_VAL), .high = nextafter(high, HUGE_VAL)};
+    snprintf(f->range.allowed, sizeof f->range.allowed, "lie between %g and %g", low, high);
+    return check_values(f, place);
 }
 
 status field_renew(struct field *f, int patch, double t, enum status_kind kind) {

@@ -94,6 +94,9 @@ status field_evaluate(const struct field *f, long npoints, const double *points,
  * The error names file, line, cell and place, and ends with the cure if there is a greatest value. */
 status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure);
 
+/* The same of values from low to high, both included. */
+status field_check_within(struct field *f, const struct field_place *place, double low, double high);
+
 /* Gives a patch whose values follow a rule those of time t, and checks them; the error is of the kind given. */
 status field_renew(struct field *f, int patch, double t, enum status_kind kind);
 /* Fails on a patch whose values change in time, for programs that take them once. */

@@ -11,12 +11,17 @@
 #include "solvers/case/fields.h"
 #include <stdio.h>
 
-enum { MAX_QUANTITIES = 16, MAX_BUDGET = 64, MAX_COLUMNS = 40 };
+enum { MAX_QUANTITIES = 24, MAX_BUDGET = 64, MAX_COLUMNS = 40 };
 struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
     signed char dimensions[7];
     bool exact; /* is it written with all digits, because a restart reads it? */
+};
+struct offered { /* the quantities of a medium */
+    const struct quantity *quantity;
+    int noffered;               /* number of quantities, the first ones, that function objects know */
+    const int *written, *shown; /* quantities of a time folder, in this order, and of vtk files; -1 ends both */
 };
 struct pace {          /* how long the next step may be */
     double stable;     /* s: the largest step allowed: by maxCo, or, for a fixed deltaT, by the time scheme */
@@ -66,13 +71,11 @@ struct medium_type {
     void (*list_models)(FILE *f);
     void (*list_boundaries)(FILE *f);
     void (*keywords)(struct keywords *k); /* goes through those of all files but controlDict */
-    const struct quantity *quantity;
-    int noffered; /* number of quantities, the first ones, that function objects know */
-    int axial;    /* the quantity that is a curl, which has three components whatever moves; 0: there is none */
-    const int *written, *shown; /* quantities of a time folder, in this order, and of vtk files; -1 ends both */
-    bool whole;                 /* does it read arrays of all cells and faces of the mesh (setup_complete)? */
-    bool slabs;                 /* are its cells dealt to the ranks by itself, and not as the grid's blocks are? */
-    bool event_driven;          /* a step is no sweep over the cells: no Courant number, no steps per second */
+    struct offered fields;                /* of every case; a medium may have more */
+    int axial;         /* the quantity that is a curl, which has three components whatever moves; 0: there is none */
+    bool whole;        /* does it read arrays of all cells and faces of the mesh (setup_complete)? */
+    bool slabs;        /* are its cells dealt to the ranks by itself, and not as the grid's blocks are? */
+    bool event_driven; /* a step is no sweep over the cells: no Courant number, no steps per second */
 
     /* The set-up, called in this order; collective. read makes s->medium from the dictionaries, which it names in
      * s->file. state reads the fields of time s->start, and makes s->grid by setup_grid. start makes the state a run
@@ -145,6 +148,7 @@ struct medium_type {
 struct medium { /* the first member of each medium's own struct */
     const struct medium_type *type;
     struct setup *setup;
+    struct offered fields;
     double next;         /* s: step to try next, which uniform/time keeps as deltaT for a restart; 0: the last step */
     double end;          /* s: end of the next step if it is not shortened, which t + dt may miss by a bit */
     bool (*asked)(void); /* has this rank been asked to end the run? NULL: nobody asks */

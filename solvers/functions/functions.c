@@ -24,14 +24,14 @@ static const struct function_type *const function_table[] = {
 };
 enum { TYPES = sizeof function_table / sizeof *function_table };
 
-int quantity_named(const struct medium_type *m, const char *name) {
+int quantity_named(const struct offered *m, const char *name) {
     for (int k = 0; k < m->noffered; k++)
         if (!strcmp(m->quantity[k].name, name)) return k;
     return -1;
 }
 
 const struct quantity *quantity_of(const struct function *f, int field) {
-    return &f->setup->medium->type->quantity[field];
+    return &f->setup->medium->fields.quantity[field];
 }
 
 static bool fits(const struct function_type *t, const struct medium_type *m) {
@@ -42,7 +42,7 @@ void functions_list(const struct medium_type *m, FILE *f) {
     for (int i = 0; i < TYPES; i++)
         if (fits(function_table[i], m)) fprintf(f, "  %-17s %s\n", function_table[i]->name, function_table[i]->about);
     fprintf(f, "  fields:");
-    for (int i = 0; i < m->noffered; i++) fprintf(f, " %s", m->quantity[i].name);
+    for (int i = 0; i < m->fields.noffered; i++) fprintf(f, " %s", m->fields.quantity[i].name);
     fprintf(f, "\n");
 }
 
@@ -79,9 +79,9 @@ static void type_word(struct keywords *k, const struct function_type *t, const c
 
 void functions_keywords(struct keywords *k, const struct medium_type *m) {
     char type[KEYWORD_TEXT] = "list of words", entry[80];
-    for (int i = 0; i < m->noffered; i++)
-        snprintf(type + strlen(type), sizeof type - strlen(type), "%s%s", i ? ", " : ": ", m->quantity[i].name);
-    snprintf(entry, sizeof entry, "fields (%s U);", m->quantity[0].name);
+    for (int i = 0; i < m->fields.noffered; i++)
+        snprintf(type + strlen(type), sizeof type - strlen(type), "%s%s", i ? ", " : ": ", m->fields.quantity[i].name);
+    snprintf(entry, sizeof entry, "fields (%s U);", m->fields.quantity[0].name);
     const struct param first[] = {
         NOTED("type", "word", NULL, "what it does", "type probes;"),
         NOTED("fields", type, "required, but for some types; vtk: all that are shown", "fields that it takes", entry),
@@ -103,7 +103,7 @@ void functions_keywords(struct keywords *k, const struct medium_type *m) {
 }
 
 /* Prints the names of all fields. */
-static void list_fields(const struct medium_type *m, char known[256]) {
+static void list_fields(const struct offered *m, char known[256]) {
     *known = 0;
     for (int k = 0; k < m->noffered; k++)
         snprintf(known + strlen(known), 256 - strlen(known), "%s%s", k ? " " : "", m->quantity[k].name);
@@ -112,13 +112,13 @@ static void list_fields(const struct medium_type *m, char known[256]) {
 status function_take(struct function *f, const struct dict *d, const char *key, int quantity) {
     const struct medium *m = f->setup->medium;
     const char *reason = m->type->lacks ? m->type->lacks(m, quantity) : NULL;
-    if (reason) return dict_fail(d, key, "there is no field '%s' here: %s", m->type->quantity[quantity].name, reason);
+    if (reason) return dict_fail(d, key, "there is no field '%s' here: %s", m->fields.quantity[quantity].name, reason);
     f->takes[quantity] = true;
     return OK;
 }
 
 status function_field(struct function *f, const struct dict *d, const char *key, const char *word, int *out) {
-    const struct medium_type *m = f->setup->medium->type;
+    const struct offered *m = &f->setup->medium->fields;
     const char *names[MAX_QUANTITIES];
     char known[256];
     char meant[MEANT];
@@ -134,7 +134,7 @@ status function_fields(struct function *f, struct dict *d, const char *key) {
     const char *const *words;
     char known[256];
     int n;
-    list_fields(f->setup->medium->type, known);
+    list_fields(&f->setup->medium->fields, known);
     TRY(status_note(dict_words(d, key, &n, &words), "'%s' lists some of %s", key, known));
     for (int i = 0; i < n; i++) {
         int k;
@@ -147,7 +147,7 @@ status function_fields(struct function *f, struct dict *d, const char *key) {
 }
 
 static status read_fields(struct function *f, struct dict *d) {
-    const struct medium_type *m = f->setup->medium->type;
+    const struct offered *m = &f->setup->medium->fields;
     for (const int *q = m->shown; f->type->all_fields && !dict_has(d, "fields") && *q >= 0; q++)
         f->field[f->nfields++] = *q;
     return f->nfields ? OK : function_fields(f, d, "fields");
@@ -253,7 +253,7 @@ void functions_free(struct functions *f) {
 /* Makes the fields ready that a function object takes. */
 static status make_ready(const struct function *f) {
     struct medium *m = f->setup->medium;
-    for (int k = 0; k < m->type->noffered && m->type->derive; k++)
+    for (int k = 0; k < m->fields.noffered && m->type->derive; k++)
         if (f->takes[k]) TRY(m->type->derive(m, k));
     return OK;
 }

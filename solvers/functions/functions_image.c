@@ -63,7 +63,7 @@ static const char script[] =
 
 /* Checks the name of a field of the time folders, of which a component may be asked for. */
 static status check_field(const struct function *f, struct dict *d, const char *word) {
-    const struct medium_type *m = f->setup->medium->type;
+    const struct offered *m = &f->setup->medium->fields;
     const char *names[MAX_QUANTITIES + 1];
     const size_t length = strcspn(word, ".");
     int n = 0;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 int means_density(const struct function *f) {
-    return quantity_named(f->setup->medium->type, "rho");
+    return quantity_named(&f->setup->medium->fields, "rho");
 }
 
 bool means_per_mass(const struct function *f, int field) {

@@ -15,7 +15,7 @@ static const struct param objects_param[] = {
 
 /* Does each time folder have the field anyway? */
 static bool is_written(const struct function *f, int field) {
-    const int *q = f->setup->medium->type->written;
+    const int *q = f->setup->medium->fields.written;
     while (*q >= 0 && *q != field) q++;
     return *q >= 0;
 }

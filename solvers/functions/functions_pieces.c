@@ -256,7 +256,7 @@ status surface_renew(struct surface *s) {
 }
 
 status surface_sample(const struct surface *s, const struct function *f, int quantity, double **out) {
-    const int m = f->setup->medium->type->quantity[quantity].components;
+    const int m = f->setup->medium->fields.quantity[quantity].components;
     double *slots = NULL;
     *out = NULL;
     status e = allocate(&slots, (s->picks.slots + 1L) * m, sizeof(double), "samples");

@@ -61,7 +61,7 @@ struct function_type {
 #define FUNCTION_DICT          "functions/NAME"
 
 /* The index of a quantity among the fields that function objects know; -1: there is none. */
-int quantity_named(const struct medium_type *m, const char *name);
+int quantity_named(const struct offered *m, const char *name);
 const struct quantity *quantity_of(const struct function *f, int field);
 /* Notes that a function object takes a quantity, which is then ready whenever it collects or executes; fails if the
  * case has none such, by the entry `key`. */

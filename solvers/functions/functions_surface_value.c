@@ -102,29 +102,29 @@ static void value_keywords(struct keywords *k) {
 
 /* ---- reading ---- */
 
-static int flow_named(const struct medium_type *m, const char *name) {
-    for (int k = 0; k < FLOWS && m->follow; k++)
+static int flow_named(const struct medium *m, const char *name) {
+    for (int k = 0; k < FLOWS && m->type->follow; k++)
         if (!strcmp(flow_names[k], name)) return k;
     return -1;
 }
 
 static status unknown_field(const struct function *f, struct dict *d, const char *key, const char *word, bool flows) {
-    const struct medium_type *m = f->setup->medium->type;
+    const struct medium *m = f->setup->medium;
     const char *names[MAX_QUANTITIES + FLOWS];
     int n = 0;
-    for (int k = 0; k < m->noffered; k++) names[n++] = m->quantity[k].name;
-    for (int k = 0; k < FLOWS && flows && m->follow; k++) names[n++] = flow_names[k];
+    for (int k = 0; k < m->fields.noffered; k++) names[n++] = m->fields.quantity[k].name;
+    for (int k = 0; k < FLOWS && flows && m->type->follow; k++) names[n++] = flow_names[k];
     return dict_unknown(d, key, word, names, n);
 }
 
 static status read_fields(struct function *f, struct surface_value *v, struct dict *d) {
-    const struct medium_type *m = f->setup->medium->type;
+    const struct medium *m = f->setup->medium;
     const char *const *words;
     int n;
     TRY(dict_words(d, "fields", &n, &words));
     if (!n) return dict_fail(d, "fields", "it is empty");
     for (int i = 0; i < n; i++) {
-        const int quantity = quantity_named(m, words[i]), flow = flow_named(m, words[i]);
+        const int quantity = quantity_named(&m->fields, words[i]), flow = flow_named(m, words[i]);
         if (quantity < 0 && flow < 0) return unknown_field(f, d, "fields", words[i], true);
         for (int j = 0; j < v->nfields; j++)
             if (v->field[j].quantity == quantity && v->field[j].flow == flow)
@@ -146,14 +146,14 @@ static bool is_weighted(const struct surface_value *v) {
 }
 
 static status read_weight(struct function *f, struct surface_value *v, struct dict *d) {
-    const struct medium_type *m = f->setup->medium->type;
+    const struct medium *m = f->setup->medium;
     const char *word;
     v->weight = -1;
     TRY(dict_word_or(d, "weightField", "none", &word));
     if (strcmp(word, "none")) {
-        v->weight = quantity_named(m, word);
+        v->weight = quantity_named(&m->fields, word);
         if (v->weight < 0) return unknown_field(f, d, "weightField", word, false);
-        if (m->quantity[v->weight].components != 1) return dict_fail(d, "weightField", "weights are numbers");
+        if (m->fields.quantity[v->weight].components != 1) return dict_fail(d, "weightField", "weights are numbers");
         TRY(function_take(f, d, "weightField", v->weight));
         if (!is_weighted(v)) return dict_fail(d, "weightField", "the operation has no weights; say  weighted..");
     } else if (is_weighted(v)) {
@@ -279,7 +279,7 @@ static void add_flow(const void *none, const struct crossing *face, double *sum)
     sum[4] += face->energy;
 }
 
-static int written_quantity(const struct medium_type *m, const char *name) {
+static int written_quantity(const struct offered *m, const char *name) {
     for (const int *q = m->written; *q >= 0; q++)
         if (!strcmp(m->quantity[*q].name, name)) return *q;
     return -1;
@@ -290,7 +290,7 @@ static status flow_of_plane(const struct function *f, const struct surface *s, s
     double *q[4] = {NULL};
     status e = OK;
     for (int i = 0; i < 4; i++) {
-        const status sampled = surface_sample(s, f, written_quantity(f->setup->medium->type, names[i]), &q[i]);
+        const status sampled = surface_sample(s, f, written_quantity(&f->setup->medium->fields, names[i]), &q[i]);
         if (!e)
             e = sampled;
         else
@@ -323,7 +323,7 @@ static status find_flow(const struct function *f, const struct surface_value *v,
 static const char *field_name(const struct function *f, int i) {
     const struct surface_value *v = f->own;
     const int flow = v->field[i].flow;
-    return flow >= 0 ? flow_names[flow] : f->setup->medium->type->quantity[v->field[i].quantity].name;
+    return flow >= 0 ? flow_names[flow] : f->setup->medium->fields.quantity[v->field[i].quantity].name;
 }
 
 static void value_head(const struct function *f, int which, FILE *o) {

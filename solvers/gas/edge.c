@@ -88,10 +88,27 @@ static void edge_batch(const struct gas_view *v, int quantity, int patch, int n,
     }
 }
 
+void gas_carried_edge(const struct rule *rule, const struct setup *s, int n, const struct edge_face *face,
+                      double *values) {
+    for (int i = 0; i < n; i++) {
+        const double inner = values[i], *U = face[i].state + 1;
+        double outflow = 0;
+        for (int k = 0; k < s->dim; k++) outflow += U[s->axis[k]] * face[i].normal[s->axis[k]];
+        const struct ghost_line l = {.n = 1,
+                                     .components = 1,
+                                     .face = &face[i].face,
+                                     .inner = {&inner},
+                                     .outflow = &outflow,
+                                     .normal = -1,
+                                     .ghost = {&values[i]}};
+        rule->type->ghost(rule, &l);
+    }
+}
+
 void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, const struct edge_face *face,
                    double *values) {
     const int components = gas_quantity[quantity].components;
-    if (quantity == GAS_LIMITED || (quantity >= GAS_FIELDS && quantity < GAS_OFFERED)) return; /* of cells alone */
+    if (quantity == GAS_LIMITED || (quantity >= GAS_FIELDS && quantity < GAS_CARRIED)) return; /* of cells alone */
     for (int at = 0; at < n; at += BATCH)
         edge_batch(v, quantity, patch, n - at < BATCH ? n - at : BATCH, face + at, values + (long)at * components);
 }

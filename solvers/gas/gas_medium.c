@@ -30,6 +30,7 @@ struct gas_state {
     struct initial *initial;
     struct gas *gas;
     struct gas_view view; /* what function objects see */
+    struct gas_fields fields;
     struct limiter_table limiter;
     struct gas_speed speed;      /* wave speeds of the last plan */
     double fall;                 /* s: the longest step that gravity allows; HUGE_VAL: any */
@@ -54,10 +55,11 @@ static status gas_check_control(const struct medium *m, const struct control *c)
 static status gas_read(struct setup *s) {
     struct gas_state *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
-    g->base = (struct medium){.type = &gas_medium, .setup = s};
+    g->base = (struct medium){.type = &gas_medium, .setup = s, .fields = gas_medium.fields};
     s->medium = &g->base;
     TRY(models_read(s->dir, s->dim, s->axis, &g->models));
     const struct case_models *m = g->models;
+    g->base.fields = gas_fields_offer(&g->fields, &m->gas);
     const struct setup_file files[] = {{"system", "fvSchemes", m->schemes},
                                        {"system", "fvSolution", m->solution},
                                        {"constant", "granularProperties", m->properties},
@@ -148,6 +150,8 @@ static status gas_read_state(struct setup *s) {
     TRY(read_initial(s, g, &place));
     for (int i = 0; i < FIELD_COUNT; i++)
         TRY(warn_field(&s->warnings, g->initial->field[i], time_is_original(&s->start)));
+    for (int i = 0; i < g->initial->carried.n; i++)
+        TRY(warn_field(&s->warnings, g->initial->carried.field[i], time_is_original(&s->start)));
     TRY(initial_warn(g->initial, models->transport != NULL, &s->warnings));
     TRY(scales_grain(s, g->models->properties, &models->material));
     TRY(scales_forces(s, &g->models->forces, &models->material));
@@ -508,11 +512,17 @@ static void gas_block(const struct medium *m, int block, int quantity, double *c
 
 static void gas_edge_values(const struct medium *m, int quantity, int patch, int n, const struct edge_face *face,
                             double *values) {
-    gas_view_edge(&of(m)->view, quantity, patch, n, face, values);
+    const int carried = gas_carried(quantity);
+    if (carried >= 0)
+        gas_carried_edge(&of(m)->initial->rules[patch].carried[carried], m->setup, n, face, values);
+    else
+        gas_view_edge(&of(m)->view, quantity, patch, n, face, values);
 }
 
 static bool gas_gives(const struct medium *m, int quantity, int patch) {
-    return gas_rules_give(&of(m)->initial->rules[patch], &of(m)->models->gas, quantity);
+    const struct patch_rules *rules = &of(m)->initial->rules[patch];
+    if (gas_carried(quantity) >= 0) return rule_fixes(&rules->carried[gas_carried(quantity)]);
+    return gas_rules_give(rules, &of(m)->models->gas, quantity);
 }
 
 static bool gas_uniform(const struct medium *m, int block, int quantity, double value[3]) {
@@ -534,8 +544,9 @@ static status gas_save(const struct medium *m, const char *folder, const char *l
 
 static const struct patch_field *gas_patch(const struct medium *m, int quantity, int p) {
     static const enum field_id id[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P};
-    if (quantity > GAS_P) return NULL;
     const struct initial *i = of(m)->initial;
+    if (gas_carried(quantity) >= 0) return &i->carried.field[gas_carried(quantity)]->patch[p];
+    if (quantity > GAS_P) return NULL;
     for (int k = 0; k < 3; k++)
         if (i->from[p][k] == id[quantity]) return &i->field[id[quantity]]->patch[p];
     return NULL;
@@ -644,6 +655,7 @@ static status gas_medium_budget(struct medium *m, struct budget_row *out) {
     for (int i = 0; i < source_count; i++)
         if (source_row_active(&models->source, &models->material, i))
             budget_add(out, source_table[i].cause, b.sourced[i]);
+    if (gas_rubs(models)) budget_add(out, "friction", b.gained[GAS_CONTACTS]);
     budget_add(out, "cooling", b.gained[GAS_DILATION]); /* it is the part of cooling that goes with div u */
     for (int axis = 0; axis < 3; axis++)
         for (int k = 0; k < m->setup->components; k++)
@@ -661,11 +673,8 @@ const struct medium_type gas_medium = {
     .list_models = models_list,
     .list_boundaries = boundaries_list,
     .keywords = models_keywords,
-    .quantity = gas_quantity,
-    .noffered = GAS_OFFERED,
     .axial = GAS_VORTICITY,
-    .written = gas_written,
-    .shown = gas_shown,
+    .fields = {gas_quantity, GAS_CARRIED, gas_written, gas_shown},
     .read = gas_read,
     .state = gas_read_state,
     .start = gas_start,

@@ -277,14 +277,16 @@ static status renew_patch(struct initial *s, int p, double t) {
         TRY(field_renew(s->field[s->from[p][i]], p, t, ERR_STATE));
         take_values(s, p, i, s->mesh->patch[p].nfaces);
     }
-    return OK;
+    return carried_start_renew(&s->carried, p, t);
 }
 
 double initial_knot(const struct initial *s, double t) {
     double knot = HUGE_VAL;
-    for (int p = 0; p < s->npatches && s->varies; p++)
+    for (int p = 0; p < s->npatches && s->varies; p++) {
         for (int i = 0; i < 3; i++)
             if (initial_varying(s, p, i)) knot = fmin(knot, varying_knot(initial_varying(s, p, i), t));
+        knot = fmin(knot, carried_start_knot(&s->carried, p, t));
+    }
     return knot;
 }
 
@@ -477,6 +479,7 @@ static status take_patch(const struct initial_reader *r, struct initial *s, int 
 }
 
 static status read_all(struct initial_reader *r, const bool moved[3], struct initial *s) {
+    char folder[TIME_PATH];
     if (r->place->share) s->share = *r->place->share;
     s->sliced = r->place->share != NULL;
     s->ncells = field_ncells(r->place);
@@ -485,6 +488,8 @@ static status read_all(struct initial_reader *r, const bool moved[3], struct ini
     TRY(check_values(r, s));
     TRY(field_agree(r->place, take_state(r, s)));
     TRY(take_conserved(r, s));
+    path_of(r, ".", folder);
+    TRY(carried_start_read(folder, r->place, r->models, &s->carried));
     TRY(pool_take(&s->pool, &s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
     TRY(pool_take(&s->pool, &s->from, s->npatches, sizeof *s->from, "boundary rules"));
     TRY(pool_take(&s->pool, &s->values, 3L * s->npatches, sizeof *s->values, "boundary values"));
@@ -493,7 +498,8 @@ static status read_all(struct initial_reader *r, const bool moved[3], struct ini
     s->mesh = r->place->mesh;
     s->t = r->place->t;
     for (int p = 0; p < s->npatches; p++) TRY(take_patch(r, s, p));
-    return OK;
+    s->varies |= carried_start_varies(&s->carried, s->npatches);
+    return carried_start_rules(&s->carried, &s->pool, s->npatches, s->rules);
 }
 
 status initial_read(const char *case_dir, const struct instant *at, const struct field_place *place, int dim,
@@ -572,6 +578,15 @@ static status fetch_own(const struct initial *s, const struct grid *grid, int n,
     return OK;
 }
 
+/* Gives the gas the quantities that it carries. */
+static status set_carried(struct initial *s, const struct grid *grid, struct gas *g) {
+    double **array[CARRIED_MOST];
+    for (int i = 0; i < s->carried.n; i++) array[i] = &s->carried.phi[i];
+    if (s->sliced) TRY(fetch_own(s, grid, s->carried.n, array));
+    for (int i = 0; i < s->carried.n; i++) gas_set_carried(g, i, s->sliced, *array[i]);
+    return OK;
+}
+
 status initial_set(struct initial *s, const struct grid *grid, struct gas *g) {
     double **array[MAX_VAR];
     const int n = s->components + 2;
@@ -580,6 +595,7 @@ status initial_set(struct initial *s, const struct grid *grid, struct gas *g) {
     for (int v = 0; v < n; v++)
         array[v] = exact ? &s->conserved[v] : v == 0 ? &s->rho : v + 1 == n ? &s->T : &s->u[v - 1];
     if (s->sliced) TRY(fetch_own(s, grid, n, array));
+    TRY(set_carried(s, grid, g));
     (void)grid_cells(grid, &ncells);
     if (exact && s->sliced)
         gas_set_own_conserved(g, (const double *const *)s->conserved);
@@ -602,6 +618,7 @@ void initial_drop_cells(struct initial *s) {
     for (int k = 0; k < 3; k++) all[n++] = &s->u[k];
     for (int v = 0; v < MAX_VAR; v++) all[n++] = &s->conserved[v];
     initial_drop_fields(s);
+    carried_start_drop(&s->carried);
     while (n--) {
         free(*all[n]);
         *all[n] = NULL;
@@ -612,6 +629,7 @@ void initial_free(struct initial *s) {
     if (!s) return;
     initial_drop_cells(s);
     for (int i = 0; i < FIELD_COUNT; i++) field_free(s->field[i]);
+    carried_start_free(&s->carried);
     pool_free(&s->pool);
     free(s);
 }

@@ -12,6 +12,13 @@
 /* The end of the message about a density that a gas cannot start from. */
 #define BELOW_PACKING " (alphaMax, where the pressure diverges): lower it; of a settledLayer, laidAt"
 
+struct carried_start { /* the fields of the quantities that the gas carries */
+    int n;
+    struct field_kind kind[CARRIED_MOST];
+    struct field *field[CARRIED_MOST];
+    double *phi[CARRIED_MOST]; /* [ncells] of struct initial */
+    struct rule *rule;         /* [npatches][n] */
+};
 struct initial {      /* the same on every rank, but for the values of cells */
     struct pool pool; /* has all lists but those of cells, which initial_drop_cells frees */
     /* On lattices without a layer (layers.h) each rank has the cells of its slice, else all. `ncells` is how many it
@@ -24,7 +31,8 @@ struct initial {      /* the same on every rank, but for the values of cells */
     int components, axis[3];    /* of the velocity: the axes of the mesh, then those it lacks but gas moves along */
     double *rho, *T, *u[3];     /* [ncells] kg/m^3, m^2/s^2, m/s along axis[] */
     double *conserved[MAX_VAR]; /* [ncells] rho, rho u .., E: of an exact restart, or averages; else NULL */
-    bool *rests;                /* [ncells] of initial_rest: is the cell at rest? else NULL */
+    struct carried_start carried;
+    bool *rests; /* [ncells] of initial_rest: is the cell at rest? else NULL */
     int npatches;
     struct patch_rules *rules;   /* [npatches] */
     double **values;             /* [3 npatches] nonuniform values that the rules borrow; NULL: uniform */
@@ -68,5 +76,18 @@ status initial_set(struct initial *s, const struct grid *grid, struct gas *g);
 void initial_drop_fields(struct initial *s);
 /* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
 void initial_drop_cells(struct initial *s);
+
+/* The quantities that the gas carries (carried.c). Reads their fields in a folder (path). Collective if place->share is
+ * given. */
+status carried_start_read(const char *folder, const struct field_place *place, const struct gas_models *models,
+                          struct carried_start *s);
+/* Makes the rules of the patches. */
+status carried_start_rules(struct carried_start *s, struct pool *pool, int npatches, struct patch_rules *rules);
+bool carried_start_varies(const struct carried_start *s, int npatches); /* does a rule change in time? */
+/* Gives the rules of a patch the values of time t; the first time after t at which a table has a knot. */
+status carried_start_renew(struct carried_start *s, int patch, double t);
+double carried_start_knot(const struct carried_start *s, int patch, double t);
+void carried_start_drop(struct carried_start *s); /* frees the values of cells */
+void carried_start_free(struct carried_start *s);
 
 #endif

@@ -43,6 +43,8 @@ static const struct param shaking_param[] = {
 static const struct param properties_param[] = {
     NOTED("grain", "dictionary", NULL, "the grains", "grain { diameter 1e-3; restitution 0.9; }"),
     NOTED("friction", "dictionary", "none", "of grains that stay in contact", "friction { type muI; muStatic 0.38; }"),
+    NOTED("carried", "dictionary", "none", "scalars that ride with the gas, by the names of their fields",
+          "carried { dye { type passive; } }"),
 };
 static const struct param limits_param[] = {
     NUMBER("minDeltaTFraction", min_fraction, 1e-3, BETWEEN(0, 1), NO_UNIT,
@@ -240,6 +242,7 @@ static status read_properties(struct dict *d, struct case_models *m) {
     TRY(params_read(grain, grain_param, grain_nparam, &m->gas.material));
     for (int i = 0; i < grain_nparam; i++) dict_belongs(d, grain_param[i].name, "grain");
     TRY(read_families(PROPERTIES, d, m));
+    TRY(carried_read(d, m));
     return dict_check_used(d);
 }
 
@@ -376,7 +379,7 @@ static status read_all(const char *dir, int dim, const int axis[3], struct case_
     TRY(read_solution(m->solution, m));
     TRY(read_forces(dir, &m->forces));
     models_turn(m, dim, axis);
-    return OK;
+    return carried_check(m);
 }
 
 status models_read(const char *case_dir, int dim, const int axis[3], struct case_models **out) {
@@ -412,6 +415,7 @@ void models_list(FILE *f) {
     fprintf(f, "%s\n\ngrain { }\n", PROPERTIES);
     params_print(f, grain_param, grain_nparam);
     list_families(f, PROPERTIES);
+    carried_list(f);
     forces_list(f);
     fprintf(f, "\n%s: defaults by measurement, postprocessing/reports/workPrecision.md\n", SCHEMES);
     list_families(f, SCHEMES);
@@ -429,7 +433,10 @@ static void go_through(struct keywords *k, const char *file, const struct param 
         if (stands_in(&families[i], file) && !families[i].sub) keywords_family(k, &families[i]);
     keywords_at(k, file, "", NULL);
     keywords_params(k, top, n);
-    if (!strcmp(file, PROPERTIES)) grain_keywords(k);
+    if (!strcmp(file, PROPERTIES)) {
+        grain_keywords(k);
+        carried_keywords(k, file);
+    }
     for (int i = 0; i < FAMILIES; i++) {
         if (!stands_in(&families[i], file)) continue;
         if (families[i].sub) keywords_family(k, &families[i]);
@@ -526,5 +533,6 @@ void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
     family_print(f, &families[ACOUSTICS], m);
     params_print_values(f, solution_param, COUNT(solution_param), m);
     params_print_values(f, limits_param, COUNT(limits_param) - (m->gas.alpha_floor > 0 ? 0 : 1), m);
+    carried_print(f, m);
     forces_print(f, &m->forces);
 }

@@ -26,6 +26,7 @@ struct case_models {
     struct sources source;            /* sources of constant/granularProperties alone, vectors along physical axes */
     struct gas_models gas;
     struct own_params friction; /* the entries that gas.friction_params are made of, with their defaults */
+    struct carried_choice carried[CARRIED_MOST]; /* those of `gas` */
     struct forces forces;
     double min_fraction; /* fraction of the time step of loose gas below which the gas has collapsed */
     bool skip_axes;      /* is an axis along which the run is uniform computed on one layer of cells? */
@@ -44,6 +45,14 @@ void models_free(struct case_models *m);
 status models_leave(struct dict *properties);
 /* Reads `grain` and the equation of state of constant/granularProperties alone. */
 status models_equation(struct dict *properties, struct gas_models *out);
+
+/* The quantities that the gas carries (carried.c): read `carried` of constant/granularProperties; fail where forces or
+ * acoustics, which were read then, do not suit; list the kinds; print the choices; go through the keywords. */
+status carried_read(struct dict *properties, struct case_models *m);
+status carried_check(const struct case_models *m);
+void carried_list(FILE *f);
+void carried_print(FILE *f, const struct case_models *m);
+void carried_keywords(struct keywords *k, const char *file);
 
 /* Reads constant/g and constant/shaking into *out, which is zeroed before; also after an error its dictionaries must be
  * freed. Gravity may act along the axes of the mesh only. */

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const struct quantity gas_quantity[] = {
+const struct quantity gas_quantity[GAS_QUANTITIES] = {
     [GAS_RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, true},
     [GAS_ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
     [GAS_U] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},
@@ -29,7 +29,23 @@ const int gas_written[] = {GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_LIMITED, GAS_RHO,
 const int gas_shown[] = {GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, -1};
 
 static bool is_derived(int quantity) {
-    return quantity >= GAS_FIELDS && quantity < GAS_OFFERED;
+    return quantity >= GAS_FIELDS && quantity < GAS_CARRIED;
+}
+
+/* Copies a list, and adds the carried quantities. */
+static void extend(const int *list, int carried, int *out) {
+    while (*list >= 0) *out++ = *list++;
+    for (int i = 0; i < carried; i++) *out++ = GAS_CARRIED + i;
+    *out = -1;
+}
+
+struct offered gas_fields_offer(struct gas_fields *f, const struct gas_models *models) {
+    memcpy(f->quantity, gas_quantity, sizeof gas_quantity);
+    for (int i = 0; i < models->ncarried; i++)
+        f->quantity[GAS_CARRIED + i] = (struct quantity){models->carried[i].name, 1, {0}, true};
+    extend(gas_written, models->ncarried, f->written);
+    extend(gas_shown, models->ncarried, f->shown);
+    return (struct offered){f->quantity, GAS_CARRIED + models->ncarried, f->written, f->shown};
 }
 
 /* ---- derived quantities ---- */
@@ -171,7 +187,9 @@ static void block_energy(const struct gas_view *v, int block, double *const out[
 }
 
 void gas_view_block(const struct gas_view *v, int block, int quantity, double *const out[3]) {
-    if (quantity == GAS_ENERGY) {
+    if (gas_carried(quantity) >= 0) {
+        gas_block_carried(v->gas, block, gas_carried(quantity), out[0]);
+    } else if (quantity == GAS_ENERGY) {
         block_energy(v, block, out);
     } else if (is_derived(quantity)) {
         const size_t bytes = (size_t)v->setup->grid->block[block].ncells * sizeof(double);

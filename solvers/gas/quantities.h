@@ -16,12 +16,30 @@
 #include "libcore/gas/gas.h"
 #include "solvers/case/case.h"
 
-/* The quantities that follow those of enum gas_field: first those that function objects know, then those that are only
- * written. */
-enum { GAS_VORTICITY = GAS_FIELDS, GAS_GRAD_ALPHA, GAS_KNUDSEN, GAS_OFFERED, GAS_MOMENTUM = GAS_OFFERED, GAS_ENERGY };
-enum { GAS_DERIVED = GAS_OFFERED - GAS_FIELDS };
-extern const struct quantity gas_quantity[];
+/* The quantities that follow those of enum gas_field: those that function objects know, those that a case may carry,
+ * then those that are only written. */
+enum {
+    GAS_VORTICITY = GAS_FIELDS,
+    GAS_GRAD_ALPHA,
+    GAS_KNUDSEN,
+    GAS_CARRIED, /* the first of those that a case may carry, whose rows are empty here */
+    GAS_MOMENTUM = GAS_CARRIED + CARRIED_MOST,
+    GAS_ENERGY,
+    GAS_QUANTITIES
+};
+enum { GAS_DERIVED = GAS_CARRIED - GAS_FIELDS };
+extern const struct quantity gas_quantity[GAS_QUANTITIES];
 extern const int gas_written[], gas_shown[];
+
+struct gas_fields { /* the quantities of a case, with those that it carries */
+    struct quantity quantity[GAS_QUANTITIES];
+    int written[GAS_QUANTITIES + 1], shown[GAS_QUANTITIES + 1];
+};
+struct offered gas_fields_offer(struct gas_fields *f, const struct gas_models *models);
+/* Returns which carried quantity it is; -1: none. */
+static inline int gas_carried(int quantity) {
+    return quantity >= GAS_CARRIED && quantity < GAS_MOMENTUM ? quantity - GAS_CARRIED : -1;
+}
 
 struct gas_view { /* a gas and its derived quantities */
     const struct setup *setup;
@@ -46,6 +64,9 @@ bool gas_view_uniform(const struct gas_view *v, int block, int quantity, double 
 extern const int gas_edge_state[];
 void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, const struct edge_face *face,
                    double *values);
+/* The same of a carried quantity, by its rule. */
+void gas_carried_edge(const struct rule *rule, const struct setup *s, int n, const struct edge_face *face,
+                      double *values);
 /* Is a quantity given on a patch of these rules, whatever is in the cells? p is where rho and T are, on no wall. */
 bool gas_rules_give(const struct patch_rules *r, const struct gas_models *models, int quantity);
 

@@ -5,11 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_ARRAYS = MAX_VAR + CARRIED_MOST };
+
 /* Lists the arrays from which the gas takes its state; returns their number. */
-static int list_state(const struct initial *s, const double *out[MAX_VAR]) {
+static int list_state(const struct initial *s, const double *out[MOST_ARRAYS]) {
     int n = 0;
-    for (; n < MAX_VAR && s->conserved[n]; n++) out[n] = s->conserved[n];
-    if (n > 0) return n;
+    for (int i = 0; i < s->carried.n; i++) out[n++] = s->carried.phi[i];
+    for (int v = 0; v < MAX_VAR && s->conserved[v]; v++) out[n++] = s->conserved[v];
+    if (s->conserved[0]) return n;
     out[n++] = s->rho;
     out[n++] = s->T;
     for (int k = 0; k < 3 && s->u[k]; k++) out[n++] = s->u[k];
@@ -24,6 +27,11 @@ static bool same_faces(const struct initial *s, int p, long a, long b) {
         if (v && !varying_alike(v, a, b)) return false;
         const long n = i == 1 ? s->components : 1;
         if (values && memcmp(values + a * n, values + b * n, (size_t)n * sizeof *values)) return false;
+    }
+    for (int i = 0; i < s->carried.n; i++) {
+        const struct patch_field *q = &s->carried.field[i]->patch[p];
+        if (q->varying && !varying_alike(q->varying, a, b)) return false;
+        if (q->values && q->values[a] != q->values[b]) return false;
     }
     return true;
 }
@@ -76,7 +84,7 @@ static status compare(struct search *x, long cell, const int at[3]) {
     const struct initial *s = x->start;
     const long first = s->sliced ? s->share.first : 0;
     int before[3] = {at[0], at[1], at[2]};
-    const double *state[MAX_VAR];
+    const double *state[MOST_ARRAYS];
     const int nstate = list_state(s, state);
     if (before[x->axis]-- == 0) return OK;
     const long other = x->before ? x->before[cell - first] : lattice_cell(x->lattice, before);
@@ -112,7 +120,7 @@ static status compare_all(struct search *x) {
 static status compare_apart(struct search *x) {
     const struct share *share = &x->start->share;
     const struct pairs *p = &x->apart;
-    const double *state[MAX_VAR];
+    const double *state[MOST_ARRAYS];
     const int nstate = list_state(x->start, state);
     double *there = NULL;
     TRY(comm_agree(share->comm, allocate(&there, p->n, sizeof *there, "cells of other ranks")));

@@ -70,7 +70,7 @@ static status medium_check_control(const struct medium *m, const struct control 
 static status medium_read(struct setup *s) {
     struct grains_run *x;
     TRY(allocate(&x, 1, sizeof *x, "the grains"));
-    x->base = (struct medium){.type = &grains_medium, .setup = s};
+    x->base = (struct medium){.type = &grains_medium, .setup = s, .fields = grains_medium.fields};
     s->medium = &x->base;
     if (comm_size(s->comm) > 1)
         return fail(ERR_INPUT,
@@ -544,10 +544,7 @@ const struct medium_type grains_medium = {
     .list_models = grains_models_list,
     .list_boundaries = grains_boundaries_list,
     .keywords = grains_models_keywords,
-    .quantity = quantities,
-    .noffered = QUANTITIES,
-    .written = written,
-    .shown = written,
+    .fields = {quantities, QUANTITIES, written, written},
     .event_driven = true,
     .whole = true,
     .read = medium_read,

@@ -149,7 +149,7 @@ void edges_free(struct edges *e) {
 /* Takes a quantity in the cells of this rank; its components begin at `at` of the state. */
 static void take(struct edges *e, int quantity, int at, double *const line[3]) {
     const struct medium *m = e->setup->medium;
-    const int components = m->type->quantity[quantity].components;
+    const int components = m->fields.quantity[quantity].components;
     for (long i = 0, held = -1; i < e->nown; i++) {
         const struct own *o = &e->own[i];
         double *to = e->state + EDGE_STATE * o->face + at;
@@ -175,7 +175,7 @@ status edges_find(struct edges *e) {
     for (long i = 0; i < EDGE_STATE * e->n; i++) e->state[i] = -HUGE_VAL;
     for (int i = 0, at = 0; type->edge_state[i] >= 0; i++) {
         take(e, type->edge_state[i], at, line);
-        at += type->quantity[type->edge_state[i]].components;
+        at += e->setup->medium->fields.quantity[type->edge_state[i]].components;
     }
     free(line[0]);
     comm_max(e->setup->comm, e->state, (int)(EDGE_STATE * e->n)); /* one rank has each value, the others -infinity */
@@ -187,7 +187,7 @@ void edges_values(const struct edges *e, int quantity, int patch, int n, const i
     if (!e || e->first[patch] < 0) return;
     const struct medium *m = e->setup->medium;
     const struct edge_face *first = e->face + e->first[patch];
-    const int components = m->type->quantity[quantity].components;
+    const int components = m->fields.quantity[quantity].components;
     if (!face) m->type->edge(m, quantity, patch, n, first, values);
     for (int i = 0; face && i < n; i++)
         m->type->edge(m, quantity, patch, 1, first + face[i], values + (long)i * components);

@@ -82,7 +82,7 @@ static void put_vectors(int n, const int *cell, double *const line[3], const int
 static status own_values(const struct setup *s, int quantity, const int *cell, double *out) {
     const struct medium *m = s->medium;
     const struct grid *g = s->grid;
-    const int components = m->type->quantity[quantity].components;
+    const int components = m->fields.quantity[quantity].components;
     double *line[3] = {NULL, NULL, NULL};
     long most = 1, first = 0;
     for (int b = 0; b < g->nblocks; b++)
@@ -111,7 +111,7 @@ static status derive(const struct setup *s, int quantity) {
 static status make_values(const struct setup *s, int quantity, long n, const int *cell, double **out) {
     *out = NULL;
     TRY(derive(s, quantity));
-    status e = allocate(out, n * s->medium->type->quantity[quantity].components, sizeof(double), "a field to write");
+    status e = allocate(out, n * s->medium->fields.quantity[quantity].components, sizeof(double), "a field to write");
     if (!e) e = own_values(s, quantity, cell, *out);
     e = comm_agree(s->comm, e);
     if (e) free(*out);
@@ -134,14 +134,14 @@ status output_gather(const struct setup *s, int quantity, double *out) {
         return own_values(s, quantity, cell, out);
     }
     TRY(output_own(s, quantity, &own));
-    const status e = share_gather(&share, s->medium->type->quantity[quantity].components, n, cell, own, out);
+    const status e = share_gather(&share, s->medium->fields.quantity[quantity].components, n, cell, own, out);
     free(own);
     return e;
 }
 
 /* Computes a quantity in the cells of this rank's slice. */
 static status make_slice(const struct setup *s, int quantity, const struct share *share, double **out) {
-    const int components = s->medium->type->quantity[quantity].components;
+    const int components = s->medium->fields.quantity[quantity].components;
     double *own;
     long n;
     const int *cell = grid_cells(s->grid, &n);
@@ -322,7 +322,7 @@ status output_values(const struct setup *s, const struct field_writer *w, const 
 }
 
 status output_field(const struct setup *s, const struct field_writer *w, int quantity, const double *values) {
-    return output_values(s, w, &s->medium->type->quantity[quantity], values, NULL);
+    return output_values(s, w, &s->medium->fields.quantity[quantity], values, NULL);
 }
 
 /* ---- a field of a time ---- */
@@ -369,7 +369,7 @@ static status write_part(const struct writing *x, struct part *part) {
 /* Writes a quantity with the entries of its patches, or with all patches calculated. */
 static status write_shared(const struct setup *s, const struct field_writer *w, int quantity, struct printing *c,
                            struct file_sum *sum) {
-    const struct quantity *q = &s->medium->type->quantity[quantity];
+    const struct quantity *q = &s->medium->fields.quantity[quantity];
     const struct patch_entries entries = {fetch_patch, print_patch, c};
     return field_write_shared(w, q->name, q->components, q->dimensions, c->share, c->slice, &entries, sum);
 }
@@ -377,7 +377,7 @@ static status write_shared(const struct setup *s, const struct field_writer *w, 
 status output_quantity(const struct setup *s, const struct field_writer *w, int quantity, struct file_sum *sum) {
     const struct share share = share_make(s->comm, s->mesh->ncells);
     struct printing c = {
-        .quantity = quantity, .components = s->medium->type->quantity[quantity].components, .share = &share};
+        .quantity = quantity, .components = s->medium->fields.quantity[quantity].components, .share = &share};
     struct edges *edges;
     double *slice = NULL;
     status e = edges_make(s, NULL, &edges);
@@ -395,7 +395,7 @@ status output_quantity(const struct setup *s, const struct field_writer *w, int 
 /* Writes a quantity into the case's folder, then each part's share into its own. */
 static status write_one(struct output *o, const struct field_writer *writer, int quantity) {
     const struct setup *s = o->setup;
-    const struct quantity *q = &s->medium->type->quantity[quantity];
+    const struct quantity *q = &s->medium->fields.quantity[quantity];
     const struct share share = share_make(s->comm, s->mesh->ncells);
     struct printing c = {.medium = s->medium,
                          .quantity = quantity,
@@ -425,7 +425,7 @@ static status write_one(struct output *o, const struct field_writer *writer, int
 static status write_fields(struct output *o, const struct field_writer *w) {
     const struct medium *m = o->setup->medium;
     TRY(edges_find(o->edges));
-    for (const int *q = m->type->written; *q >= 0; q++)
+    for (const int *q = m->fields.written; *q >= 0; q++)
         if (!m->type->present || m->type->present(m, *q)) TRY(write_one(o, w, *q));
     return OK;
 }

@@ -120,7 +120,7 @@ static void magnitudes(int components, int n, double *const out[3]) {
 
 status report_extremes(const struct setup *s, int quantity, double range[2]) {
     const struct grid *grid = s->grid;
-    const bool vector = s->medium->type->quantity[quantity].components == 3;
+    const bool vector = s->medium->fields.quantity[quantity].components == 3;
     double pair[2] = {HUGE_VAL, HUGE_VAL};
     for (int b = 0; b < grid->nblocks; b++) {
         const long n = grid->block[b].ncells;

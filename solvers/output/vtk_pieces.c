@@ -100,7 +100,7 @@ static void print_arrays(const struct setup *s, struct sink *o, const int *quant
     }
     sink_printf(o, "<%sCellData>\n", p);
     for (const int *q = quantity; *q >= 0; q++) {
-        const struct quantity *f = &s->medium->type->quantity[*q];
+        const struct quantity *f = &s->medium->fields.quantity[*q];
         print_array(o, "Float64", f->name, f->components, at, n * f->components * 8);
     }
     sink_printf(o, "</%sCellData>\n", p);
@@ -149,7 +149,7 @@ static status write_piece(const struct setup *s, struct sink *o, const int *quan
     status e = OK;
     for (const int *q = quantity; *q >= 0 && !e; q++) {
         double *values;
-        const long bytes = n * s->medium->type->quantity[*q].components * (long)sizeof *values;
+        const long bytes = n * s->medium->fields.quantity[*q].components * (long)sizeof *values;
         e = output_own(s, *q, &values);
         if (!e && o) begin(o, bytes);
         if (!e && o) sink_write(o, values, (size_t)bytes);

@@ -125,7 +125,8 @@ static const struct {
 
 struct unread { /* what is known of a case, and found in it */
     const char *dir, *application;
-    const char *folder[FOLDERS]; /* names in the case; START: NULL, a run wrote it */
+    const struct offered *fields, *usual; /* of the case, and of each case of the program */
+    const char *folder[FOLDERS];          /* names in the case; START: NULL, a run wrote it */
     int n;
     struct found {
         char path[PATH], meant[PATH + 4], text[1024]; /* meant: another path, or empty */
@@ -161,6 +162,9 @@ static bool is_aside(const char *name) {
 static bool is_read(const struct unread *u, enum folder folder, const char *name) {
     for (int i = 0; i < COUNT(ours); i++)
         if (ours[i].folder == folder && !strcmp(ours[i].name, name)) return true;
+    for (const int *q = u->fields->written; *q >= 0 && folder == START; q++)
+        if (*q >= u->usual->noffered && *q < u->fields->noffered && !strcmp(u->fields->quantity[*q].name, name))
+            return true;
     return folder == START && !strcmp(u->application, "granularSegregation") && !strcmp(name, "phi");
 }
 
@@ -328,9 +332,14 @@ static status say(struct setup *s, const struct found *f) {
 }
 
 /* Begins to look through a case that starts from a folder. */
-static status begin(const char *dir, const struct medium_type *type, const char *start, struct unread *u) {
+static status begin(const char *dir, const struct medium_type *type, const char *start, const struct offered *fields,
+                    struct unread *u) {
     char stamp[PATH];
-    *u = (struct unread){.dir = dir, .application = type->application, .folder = {"constant", "system", start, "."}};
+    *u = (struct unread){.dir = dir,
+                         .application = type->application,
+                         .fields = fields,
+                         .usual = &type->fields,
+                         .folder = {"constant", "system", start, "."}};
     snprintf(stamp, sizeof stamp, "%.3900s/%s/uniform/time", dir, start);
     if (!access(stamp, F_OK)) u->folder[START] = NULL;
     return allocate(&u->found, MOST_SAID, sizeof *u->found, "names of files");
@@ -339,7 +348,7 @@ static status begin(const char *dir, const struct medium_type *type, const char 
 status unread_warn(struct setup *s) {
     struct unread u;
     status e = OK;
-    TRY(comm_agree(s->comm, begin(s->dir, s->medium->type, s->start.folder, &u)));
+    TRY(comm_agree(s->comm, begin(s->dir, s->medium->type, s->start.folder, &s->medium->fields, &u)));
     if (comm_root(s->comm)) look_through(&u);
     comm_broadcast(s->comm, &u.n, sizeof u.n);
     if (u.n) comm_broadcast(s->comm, u.found, MOST_SAID * (long)sizeof *u.found);
@@ -353,7 +362,7 @@ status unread_hint(const char *dir, const struct medium_type *type, struct cures
     struct unread u;
     const bool accepted[WARNINGS] = {false};
     struct warnings w = {.accepted = accepted, .cures = cures};
-    status e = begin(dir, type, time_original(dir, &original) ? TIME_ORIGINAL : "0", &u);
+    status e = begin(dir, type, time_original(dir, &original) ? TIME_ORIGINAL : "0", &type->fields, &u);
     if (!e) look_through(&u);
     for (int i = 0; !e && i < u.n; i++) {
         const struct found *f = &u.found[i];

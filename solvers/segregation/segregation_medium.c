@@ -47,7 +47,7 @@ static const int written[] = {PHI, U, -1}, shown[] = {PHI, -1};
 static status mixture_read(struct setup *s) {
     struct mixture *x;
     TRY(allocate(&x, 1, sizeof *x, "the mixture"));
-    x->base = (struct medium){.type = &segregation_medium, .setup = s};
+    x->base = (struct medium){.type = &segregation_medium, .setup = s, .fields = segregation_medium.fields};
     s->medium = &x->base;
     TRY(segregation_models_read(s->dir, &x->models));
     s->file[s->nfiles++] = (struct setup_file){"system", "fvSchemes", x->models->schemes};
@@ -421,10 +421,7 @@ const struct medium_type segregation_medium = {
     .list_models = segregation_models_list,
     .list_boundaries = segregation_boundaries_list,
     .keywords = segregation_models_keywords,
-    .quantity = quantities,
-    .noffered = QUANTITIES,
-    .written = written,
-    .shown = shown,
+    .fields = {quantities, QUANTITIES, written, shown},
     .slabs = true,
     .read = mixture_read,
     .state = mixture_state,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps that are left because somebody asked for an end, and diffusion that would have none, on both mesh engines. */
+/* Steps that are left because somebody asked for an end, diffusion that would have none, and the cell that limits dt,
+ * on both mesh engines. */
 #include <unistd.h>
 
 #include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
@@ -111,12 +112,38 @@ static void endless_diffusion(void **state) {
     }
 }
 
+static void twins(const double x[3], double *rho, double u[3], double *T) {
+    const int i = (int)(10 * x[0]), j = (int)(5 * x[1]);
+    *rho = 40;
+    *T = (i == 3 && j == 6) || (i == 6 && j == 2) ? 4 : 1;
+    u[0] = u[1] = 0;
+}
+
+/* Of two cells that limit dt alike the one with the smaller x is named, on any mesh and any ranks. */
+static void ties(void **state) {
+    (void)state;
+    for (int lattice = 0; lattice < 2; lattice++) {
+        struct scene s;
+        struct gas_speed speed;
+        double place[3];
+        const double *wanted;
+        open_scene(&s, lattice, "explicit", 1);
+        wanted = s.centre + 3 * (6 * NX + 3);
+        start(&s, twins);
+        gas_speed(s.gas, &speed);
+        gas_fastest_place(s.gas, &speed, place);
+        for (int k = 0; k < 2; k++) assert_true(fabs(place[k] - wanted[k]) < 1e-12);
+        close_scene(&s);
+    }
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(left_steps),
         cmocka_unit_test(endless_diffusion),
+        cmocka_unit_test(ties),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);

@@ -1,0 +1,572 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Friction in a bed: Coulomb's law |tau| <= Y with the pressure that the bed has, solved with the forces that act on it
+ * (docs/physics.md 9.3; bed_friction.h).
+ *
+ * Each face keeps a stress tau, a symmetric tensor without trace, from step to step. In a step
+ *     tau' = th (tau + 2 G dt D'(V)),   th = min(1, Y/|tau + 2 G dt D'(u)|),   |a| = sqrt(a:a/2),
+ *     rho (V - u)/dt = F + div tau',     F: pressure and weight, by the pressures of the last acoustic step,
+ * D' the rate of strain without its trace. Where th = 1 the bed is elastic: gas at rest keeps the stress that carries
+ * it and does not creep. The system is linear in V. One step of a damped Chebyshev method (RKC) from u stands for its
+ * solution: gas at rest is a fixed point of it, whatever the number of stages, and it needs no sums over all cells. Its
+ * damping is needed: stress and velocity together multiply a mode by E +- sqrt(E^2 - E), E the method's polynomial,
+ * which is stable for -1/3 <= E <= 1 alone.
+ *
+ * On a face D comes from the difference between its cells and, along the face, from the gradients of both. Cells gain
+ * what the faces' tractions give, so that momentum is kept. The faces' own velocities U, which carry the gas, gain
+ *     push = mean of the cells' gains by friction + held (mean of the cells' gains by F - the face's own gain by F),
+ * held: 1 where nothing yields. So a face between cells at rest is at rest, although the forces on it are not the mean
+ * of those on its cells. */
+#include "libcore/acoustics/bed_friction.h"
+
+#include <stdlib.h>
+
+/* Faces whose lighter cell is less dense than packed gas have a modulus lower by that ratio, for else thin gas beside
+ * packed gas would need many stages. Stages: rates are bounded from above by those of the differences across faces,
+ * times SAFE, for the differences along them. */
+static const double SAFE = 1.2, SAFE_SKEW = 1.6;
+/* |RKC's polynomial| is at most 1/DAMPED from the rate on at which it stops to fall. */
+static const double DAMPED = 10;
+/* A cell's matrix of least squares gains that part of its trace, for cells with neighbours along one axis alone. */
+static const double ALONE = 1e-9;
+
+/* The cohesion of the surface ends so many cells below it. */
+static const double DEPTH = 2;
+enum { TENSOR = 6, LINES = 3 };
+
+struct bed_friction {
+    int tensors; /* numbers of a stress */
+    /* [cells + ghosts] s, pressure, share of what is held; dt F/rho and its friction: gains of velocity */
+    double *share, *p, *held, *drive[MAX_DIM], *gain[LINES][MAX_DIM];
+    double *V[MAX_DIM], *gradient[MAX_DIM][MAX_DIM]; /* [cells + ghosts] [axis][component] */
+    double *fit[MAX_DIM];                            /* [sides] derivative = sum of fit times differences */
+    double *stiff;                                   /* [faces] 2 th G dt */
+    double *base[TENSOR], *traction[MAX_DIM];        /* [faces] th tau; tau' n in a stage */
+    double *through[LINES][MAX_DIM];                 /* [faces] of walls: their traction, as gain */
+    double *part;                                    /* [faces] th */
+    int *face, faces;                                /* those with friction */
+    double *cells, *sides, *of_faces;                /* the memory of the lines */
+    struct arrays arrays;
+};
+
+struct face_view { /* a face with friction */
+    int face, left, right, shape;
+    double n[MAX_DIM], to[MAX_DIM], depth; /* normal; between the centres, or from the centre to the wall */
+};
+
+/* ---- memory ---- */
+
+static double *cut(double *at, long n, double **line) {
+    *line = at;
+    return at + n;
+}
+
+static status make_room(const struct bed *b, struct bed_friction *r) {
+    const struct bed_set *s = &b->set;
+    const long cells = (long)s->cells + s->ghosts, sides = s->face_start[s->cells];
+    const int C = b->components;
+    TRY(ARRAYS_GROW(&r->arrays, r->cells, (3 + C * (2 + LINES) + b->dim * C) * cells));
+    TRY(ARRAYS_GROW(&r->arrays, r->sides, b->dim * sides));
+    TRY(ARRAYS_GROW(&r->arrays, r->of_faces, (2L + r->tensors + C + LINES * C) * s->faces));
+    TRY(ARRAYS_GROW(&r->arrays, r->face, s->faces));
+    double *at = cut(cut(cut(r->cells, cells, &r->share), cells, &r->p), cells, &r->held);
+    for (int k = 0; k < C; k++) {
+        at = cut(cut(at, cells, &r->drive[k]), cells, &r->V[k]);
+        for (int i = 0; i < LINES; i++) at = cut(at, cells, &r->gain[i][k]);
+        for (int a = 0; a < b->dim; a++) at = cut(at, cells, &r->gradient[a][k]);
+    }
+    at = r->sides;
+    for (int k = 0; k < b->dim; k++) at = cut(at, sides, &r->fit[k]);
+    at = cut(cut(r->of_faces, s->faces, &r->stiff), s->faces, &r->part);
+    for (int i = 0; i < r->tensors; i++) at = cut(at, s->faces, &r->base[i]);
+    for (int k = 0; k < C; k++) {
+        at = cut(at, s->faces, &r->traction[k]);
+        for (int i = 0; i < LINES; i++) at = cut(at, s->faces, &r->through[i][k]);
+    }
+    return OK;
+}
+
+status bed_friction_make(struct bed *b) {
+    if (!b->friction.law || !b->friction.law->on) return OK;
+    TRY(allocate(&b->rub, 1, sizeof *b->rub, "friction"));
+    b->rub->tensors = bed_tensors(b->components);
+    return OK;
+}
+
+void bed_friction_free(struct bed_friction *r) {
+    if (r) arrays_free(&r->arrays);
+    free(r);
+}
+
+/* ---- what is known of a face ---- */
+
+static bool rubs_at(const struct bed *b, int f) {
+    return b->set.kind[f] == BED_INNER || (b->set.kind[f] == BED_WALL && b->set.wall_friction[f] > 0);
+}
+
+static struct face_view view_of(const struct bed *b, int f) {
+    const struct bed_shapes *s = b->set.shapes;
+    const int shape = b->set.shape[f];
+    struct face_view v = {.face = f, .left = b->set.left[f], .right = b->set.right[f], .shape = shape};
+    const bool inner = b->set.kind[f] == BED_INNER, right = v.left < 0;
+    v.depth = inner ? s->depth[0][shape] + s->depth[1][shape] : s->depth[right][shape];
+    for (int k = 0; k < b->dim; k++) {
+        v.n[k] = s->normal[k][shape];
+        v.to[k] =
+            inner ? s->arm[0][k][shape] - s->arm[1][k][shape] : (right ? -s->arm[1][k][shape] : s->arm[0][k][shape]);
+    }
+    return v;
+}
+
+/* Sets jump to the difference of the velocity V from the left to the right of a face, a wall's being its own along it
+ * and none across it, and mean to the gradients along the face. */
+static void look_at_face(const struct bed *b, const struct face_view *v, double *const *V, double jump[MAX_DIM],
+                         double mean[MAX_DIM][MAX_DIM]) {
+    const struct bed_friction *r = b->rub;
+    const int l = v->left, q = v->right;
+    if (l >= 0 && q >= 0) {
+        const double all = r->share[l] + r->share[q], w = r->share[l] / all;
+        for (int m = 0; m < b->components; m++) jump[m] = V[m][q] - V[m][l];
+        for (int k = 0; k < b->dim; k++)
+            for (int m = 0; m < b->components; m++)
+                mean[k][m] = w * r->gradient[k][m][l] + (1 - w) * r->gradient[k][m][q];
+        return;
+    }
+    const int i = l >= 0 ? l : q;
+    double across = 0;
+    for (int k = 0; k < b->dim; k++) across += v->n[k] * (b->set.wall_speed[k][v->face] - V[k][i]);
+    for (int m = 0; m < b->components; m++) {
+        const double change = b->set.wall_speed[m][v->face] - V[m][i] - (m < b->dim ? across * v->n[m] : 0);
+        jump[m] = l >= 0 ? change : -change;
+    }
+    for (int k = 0; k < b->dim; k++)
+        for (int m = 0; m < b->components; m++) mean[k][m] = 0;
+}
+
+/* Computes D' on a face, the numbers [tensors] in rows of the upper half. */
+static void strain_of(const struct bed *b, const struct face_view *v, double *const *V, double D[TENSOR]) {
+    double jump[MAX_DIM], G[MAX_DIM][MAX_DIM] = {{0}}, trace = 0;
+    const double axes = b->material->disks ? 2 : 3;
+    look_at_face(b, v, V, jump, G);
+    for (int m = 0; m < b->components; m++) {
+        for (int k = 0; k < b->dim; k++) jump[m] -= v->to[k] * G[k][m];
+        jump[m] /= v->depth;
+    }
+    for (int m = 0; m < b->components; m++)
+        for (int k = 0; k < b->dim; k++) G[k][m] += v->n[k] * jump[m];
+    for (int k = 0; k < b->dim; k++) trace += G[k][k];
+    for (int i = 0, at = 0; i < b->components; i++)
+        for (int j = i; j < b->components; j++, at++)
+            D[at] = i == j ? G[i][i] - trace / axes : 0.5 * (G[i][j] + G[j][i]);
+}
+
+/* Returns |a| = sqrt(a:a/2) of a tensor without trace. */
+static double size_of(const struct bed *b, const double a[TENSOR]) {
+    const int missing = (b->material->disks ? 2 : 3) - b->components;
+    double sum = 0, trace = 0;
+    for (int i = 0, at = 0; i < b->components; i++)
+        for (int j = i; j < b->components; j++, at++) {
+            sum += i == j ? 0.5 * a[at] * a[at] : a[at] * a[at];
+            trace += i == j ? a[at] : 0;
+        }
+    if (missing > 0) sum += 0.5 * trace * trace / missing;
+    return sqrt(sum);
+}
+
+/* Computes a n. */
+static void apply(const struct bed *b, const double a[TENSOR], const double n[MAX_DIM], double out[MAX_DIM]) {
+    for (int m = 0; m < b->components; m++) out[m] = 0;
+    for (int i = 0, at = 0; i < b->components; i++)
+        for (int j = i; j < b->components; j++, at++) {
+            if (i < b->dim) out[j] += n[i] * a[at];
+            if (j != i && j < b->dim) out[i] += n[j] * a[at];
+        }
+}
+
+/* ---- gradients of cells: least squares over packed neighbours and walls ---- */
+
+static double weight_of(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
+    const struct bed_shapes *h = b->set.shapes;
+    double square = 0, weight = 1;
+    const bool wall = b->set.kind[s->face] == BED_WALL, slips = wall && !rubs_at(b, s->face);
+    if (!wall && b->set.kind[s->face] != BED_INNER) return 0;
+    if (!wall) weight = b->rub->share[across];
+    for (int k = 0; k < b->dim; k++) {
+        to[k] = h->arm[s->right][k][s->shape] - (wall && !slips ? 0 : h->arm[!s->right][k][s->shape]);
+        square += to[k] * to[k];
+    }
+    return weight / square;
+}
+
+static void invert(int dim, double A[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_DIM]) {
+    double trace = 0;
+    for (int k = 0; k < dim; k++) trace += A[k][k];
+    for (int k = 0; k < dim; k++) A[k][k] += ALONE * trace;
+    for (int k = dim; k < 3; k++) A[k][k] = 1;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const int p = (i + 1) % 3, q = (i + 2) % 3, u = (j + 1) % 3, w = (j + 2) % 3;
+            out[j][i] = A[p][u] * A[q][w] - A[p][w] * A[q][u];
+        }
+    const double determinant = A[0][0] * out[0][0] + A[0][1] * out[1][0] + A[0][2] * out[2][0];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) out[i][j] = determinant > 0 ? out[i][j] / determinant : 0;
+}
+
+static void fit_cell(const struct bed *b, int i) {
+    const struct bed_friction *r = b->rub;
+    double A[MAX_DIM][MAX_DIM] = {{0}}, inverse[MAX_DIM][MAX_DIM], to[MAX_DIM];
+    const int first = b->set.face_start[i], last = b->set.face_start[i + 1];
+    for (int j = first; j < last; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double w = weight_of(b, &s, bed_across(b, &s), to);
+        for (int k = 0; k < b->dim && w > 0; k++)
+            for (int l = 0; l < b->dim; l++) A[k][l] += w * to[k] * to[l];
+    }
+    invert(b->dim, A, inverse);
+    for (int j = first; j < last; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double w = weight_of(b, &s, bed_across(b, &s), to);
+        for (int k = 0; k < b->dim; k++) {
+            double sum = 0;
+            for (int l = 0; l < b->dim && w > 0; l++) sum += inverse[k][l] * w * to[l];
+            r->fit[k][j] = sum;
+        }
+    }
+}
+
+/* Returns the difference of component m of V from cell i to what is across a side: a rough wall, the mirror image at
+ * others. */
+static double change_across(const struct bed *b, const struct bed_side *s, int i, double *const *V, int m) {
+    if (b->set.kind[s->face] == BED_INNER) return V[m][bed_across(b, s)] - V[m][i];
+    if (rubs_at(b, s->face)) return b->set.wall_speed[m][s->face] - V[m][i];
+    if (m >= b->dim) return 0;
+    return -2 * b->set.shapes->normal[m][s->shape] * bed_normal_speed(b, V, i, s->shape);
+}
+
+static void find_gradients(const struct bed *b, double *const *V) {
+    const struct bed_friction *r = b->rub;
+    bed_fill(b, b->components, V);
+    for (int i = 0; i < b->set.cells; i++)
+        for (int m = 0; m < b->components; m++) {
+            double sum[MAX_DIM] = {0};
+            if (r->share[i] == 0) continue;
+            for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+                const struct bed_side s = bed_side(b, j);
+                if (b->set.kind[s.face] > BED_WALL) continue;
+                const double change = change_across(b, &s, i, V, m);
+                for (int k = 0; k < b->dim; k++) sum[k] += r->fit[k][j] * change;
+            }
+            for (int k = 0; k < b->dim; k++) r->gradient[k][m][i] = sum[k];
+        }
+    for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, r->gradient[k]);
+}
+
+/* ---- forces ---- */
+
+/* Returns P, the pressure of a cell at one of its faces, by the pressures of the last step. */
+static double load_at(const struct bed *b, int f, int right, const double gravity[MAX_DIM]) {
+    const int cell = right ? b->set.right[f] : b->set.left[f];
+    return b->rub->p[cell] + bed_weight(b, f, right, b->lines->rho[cell], gravity);
+}
+
+/* Returns the gain of u.n of a face by pressure and weight. */
+static double fall_of_face(const struct bed *b, int f, double dt, const double gravity[MAX_DIM]) {
+    const double *rho = b->lines->rho;
+    const int shape = b->set.shape[f];
+    const double apart = b->set.shapes->depth[0][shape] + b->set.shapes->depth[1][shape];
+    return -dt * (load_at(b, f, 1, gravity) - load_at(b, f, 0, gravity)) /
+           (0.5 * (rho[b->set.left[f]] + rho[b->set.right[f]]) * apart);
+}
+
+/* Finds the gains of the cells' velocities by pressure and weight, as move_cell of bed_update.c does; other faces than
+ * inner ones give none. */
+static void find_drive(const struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    const struct bed_friction *r = b->rub;
+    const double *rho = b->lines->rho;
+    for (int i = 0; i < b->set.cells; i++) {
+        const double per = dt / b->set.shapes->volume[b->set.body[i]] / rho[i];
+        double gain[MAX_DIM] = {0};
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            if (b->set.kind[s.face] != BED_INNER) continue;
+            const double l = rho[b->set.left[s.face]], q = rho[b->set.right[s.face]];
+            const double rise = load_at(b, s.face, 1, gravity) - load_at(b, s.face, 0, gravity);
+            const double over = s.right ? -q / (l + q) * rise : l / (l + q) * rise; /* p_f - P */
+            for (int k = 0; k < b->dim; k++)
+                gain[k] -= s.sign * per * b->set.shapes->area[s.shape] * over * b->set.shapes->normal[k][s.shape];
+        }
+        for (int k = 0; k < b->components; k++) r->drive[k][i] = k < b->dim ? gain[k] : dt * gravity[k];
+    }
+    bed_fill(b, b->components, r->drive);
+}
+
+/* ---- the yield stress ---- */
+
+static double norm_of(const struct bed *b, const double *a) {
+    double square = 0;
+    for (int k = b->dim - 1; k >= 0; k--) square += a[k] * a[k];
+    return sqrt(square);
+}
+
+struct load { /* on a face: the larger pressure of its cells there; s times that; densities */
+    double p, carried, heavy, light;
+};
+static struct load load_of(const struct bed *b, const struct face_view *v, const double gravity[MAX_DIM]) {
+    struct load out = {0, 0, 0, HUGE_VAL};
+    for (int right = 0; right < 2; right++) {
+        const int cell = right ? v->right : v->left;
+        if (cell < 0) continue;
+        const double p = load_at(b, v->face, right, gravity), rho = b->lines->rho[cell];
+        out.p = larger(out.p, p);
+        out.carried = larger(out.carried, b->rub->share[cell] * p);
+        out.heavy = larger(out.heavy, rho);
+        out.light = smaller(out.light, rho);
+    }
+    return out;
+}
+
+/* Returns Y of a face: s mu(I) P, and the cohesion of the surface, by which a step of one cell stands. */
+static double yield_of(const struct bed *b, const struct face_view *v, const struct load *l, double strain,
+                       const double gravity[MAX_DIM]) {
+    const struct friction_params *f = &b->friction.params;
+    const double step = l->heavy * norm_of(b, gravity) * v->depth;
+    double mu, inertia;
+    if (!(l->carried > 0)) return 0;
+    inertia = 2 * strain * b->friction.grain / sqrt(l->p);
+    b->friction.law->coefficient(f, 1, &inertia, &mu);
+    if (b->set.kind[v->face] == BED_WALL) mu = smaller(mu, b->set.wall_friction[v->face]);
+    const double near = step > 0 && l->light > 0.5 * b->limit ? larger(1 - l->p / (DEPTH * step), 0) : 0;
+    return mu * l->carried + f->cohesion + f->surface_cohesion * step * near;
+}
+
+/* Freezes th and the coefficients of all faces, with the rates of strain of the velocity at the start. */
+static void freeze(const struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    const struct bed_friction *r = b->rub;
+    double most = 0;
+    for (int i = 0; i < b->set.cells; i++) most = larger(most, r->share[i] * r->p[i]);
+    comm_max(b->comm, &most, 1);
+    const double modulus = 2 * b->friction.params.modulus * most * dt;
+    for (int e = 0; e < r->faces; e++) {
+        const int f = r->face[e];
+        const struct face_view v = view_of(b, f);
+        const struct load l = load_of(b, &v, gravity);
+        double D[TENSOR], T[TENSOR];
+        strain_of(b, &v, b->lines->u, D);
+        const double Y = yield_of(b, &v, &l, size_of(b, D), gravity), c = modulus * smaller(1, l.light / b->limit);
+        for (int i = 0; i < r->tensors; i++) T[i] = b->set.stress[i][f] + c * D[i];
+        const double size = size_of(b, T), part = !(Y > 0) ? 0 : size > Y ? Y / size : 1;
+        r->part[f] = part;
+        r->stiff[f] = part * c;
+        for (int i = 0; i < r->tensors; i++) r->base[i][f] = part * b->set.stress[i][f];
+    }
+}
+
+/* ---- the stages ---- */
+
+/* Lists the faces with friction. */
+static void list_faces(const struct bed *b) {
+    struct bed_friction *r = b->rub;
+    r->faces = 0;
+    for (int f = 0; f < b->set.faces; f++) {
+        const int l = b->set.left[f], q = b->set.right[f];
+        r->part[f] = r->stiff[f] = 0;
+        for (int k = 0; k < b->components; k++) {
+            r->traction[k][f] = 0;
+            for (int i = 0; i < LINES; i++) r->through[i][k][f] = 0;
+        }
+        if (rubs_at(b, f) && ((l >= 0 && r->share[l] > 0) || (q >= 0 && r->share[q] > 0))) r->face[r->faces++] = f;
+    }
+}
+
+/* Returns the largest rate of a cell times dt. */
+static double find_rate(const struct bed *b, double dt) {
+    const struct bed_friction *r = b->rub;
+    const double safe = b->set.shapes->boxes ? SAFE : SAFE_SKEW;
+    double most = 0;
+    for (int i = 0; i < b->set.cells; i++) {
+        double sum = 0;
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            if (r->stiff[s.face] == 0) continue;
+            const struct face_view v = view_of(b, s.face);
+            sum += 4. / 3 * b->set.shapes->area[s.shape] * r->stiff[s.face] / v.depth;
+        }
+        most = larger(most, safe * sum * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]));
+    }
+    comm_max(b->comm, &most, 1);
+    return most;
+}
+
+/* Finds the tractions for V, whose gradients are known. */
+static void find_tractions(const struct bed *b, double *const *V) {
+    const struct bed_friction *r = b->rub;
+    for (int e = 0; e < r->faces; e++) {
+        const int f = r->face[e];
+        double D[TENSOR], t[MAX_DIM];
+        if (r->part[f] == 0) continue;
+        const struct face_view v = view_of(b, f);
+        strain_of(b, &v, V, D);
+        for (int i = 0; i < r->tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
+        apply(b, D, v.n, t);
+        for (int k = 0; k < b->components; k++) r->traction[k][f] = t[k];
+    }
+}
+
+struct combined { /* gain = before[0] of the last stage, before[1] of that before, now times dt div tau/rho */
+    double last, older, now;
+};
+
+/* Finds the gain of stage j by friction, in lines j mod LINES. */
+static void find_gains(const struct bed *b, double dt, int j, struct combined c) {
+    const struct bed_friction *r = b->rub;
+    double *const *to = r->gain[j % LINES], *const *one = r->gain[(j + LINES - 1) % LINES],
+                  *const *two = r->gain[(j + LINES - 2) % LINES];
+    for (int i = 0; i < b->set.cells; i++) {
+        double sum[MAX_DIM] = {0};
+        for (int e = b->set.face_start[i]; e < b->set.face_start[i + 1]; e++) {
+            const struct bed_side s = bed_side(b, e);
+            if (r->part[s.face] == 0) continue;
+            for (int k = 0; k < b->components; k++)
+                sum[k] += s.sign * b->set.shapes->area[s.shape] * r->traction[k][s.face];
+        }
+        const double per = c.now * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]);
+        for (int k = 0; k < b->components; k++) to[k][i] = c.last * one[k][i] + c.older * two[k][i] + per * sum[k];
+    }
+    for (int e = 0; e < r->faces; e++) {
+        const int f = r->face[e];
+        if (b->set.kind[f] != BED_WALL) continue;
+        for (int k = 0; k < b->components; k++)
+            r->through[j % LINES][k][f] = c.last * r->through[(j + LINES - 1) % LINES][k][f] +
+                                          c.older * r->through[(j + LINES - 2) % LINES][k][f] +
+                                          c.now * r->traction[k][f];
+    }
+}
+
+static void find_velocity(const struct bed *b, double fallen, double *const *gain) {
+    const struct bed_friction *r = b->rub;
+    for (int k = 0; k < b->components; k++)
+        for (int i = 0; i < b->set.cells; i++) r->V[k][i] = b->lines->u[k][i] + fallen * r->drive[k][i] + gain[k][i];
+}
+
+/* Solves for V; returns which lines of gain hold the result. With T_j Chebyshev's polynomials, T_s(w) = DAMPED and z =
+ * -rate/s'th, stage j has the polynomial T_j(w + w1 z)/T_j(w), w1 = T_s(w)/T_s'(w). */
+static int solve(const struct bed *b, double dt, double rate) {
+    const struct bed_friction *r = b->rub;
+    const double log_damped = log(DAMPED + sqrt(DAMPED * DAMPED - 1));
+    int stages = 1;
+    double w, w1;
+    do {
+        const double angle = log_damped / ++stages;
+        w = cosh(angle);
+        w1 = DAMPED * sinh(angle) / (stages * sinh(log_damped));
+    } while ((w + 1) / w1 < rate);
+    double T[3] = {0, 1, w}, fallen[3] = {0, 0, w1 / w};
+    for (int k = 0; k < b->components; k++)
+        for (int i = 0; i < LINES; i++) memset(r->gain[i][k], 0, (size_t)b->set.cells * sizeof(double));
+    for (int j = 1; j <= stages; j++) {
+        struct combined c = {1, 0, w1 / w};
+        if (j > 1) {
+            const double next = 2 * w * T[2] - T[1];
+            c = (struct combined){2 * w * T[2] / next, -T[1] / next, 2 * w1 * T[2] / next};
+            const double now = c.last * fallen[2] + c.older * fallen[1] + c.now;
+            T[1] = T[2];
+            T[2] = next;
+            fallen[1] = fallen[2];
+            fallen[2] = now;
+        }
+        find_velocity(b, j > 1 ? fallen[1] : 0, r->gain[(j + LINES - 1) % LINES]);
+        find_gradients(b, r->V);
+        find_tractions(b, r->V);
+        find_gains(b, dt, j, c);
+    }
+    return stages % LINES;
+}
+
+/* ---- the results ---- */
+
+/* A cell is held as far as none of its faces yields. */
+static void find_held(const struct bed *b) {
+    const struct bed_friction *r = b->rub;
+    for (int i = 0; i < b->set.cells; i++) {
+        double least = 2;
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            if (r->part[s.face] > 0) least = smaller(least, r->part[s.face]);
+        }
+        r->held[i] = least > 1 ? 0 : least;
+    }
+    bed_fill(b, 1, &r->held);
+}
+
+static double mean_at(const struct bed *b, int f, double *const *of) {
+    const int l = b->set.left[f], q = b->set.right[f], shape = b->set.shape[f];
+    const double rho_l = b->lines->rho[l], rho_r = b->lines->rho[q];
+    return (rho_l * bed_normal_speed(b, of, l, shape) + rho_r * bed_normal_speed(b, of, q, shape)) / (rho_l + rho_r);
+}
+
+static void find_push(const struct bed *b, double dt, const double gravity[MAX_DIM], double *const *gain) {
+    const struct bed_friction *r = b->rub;
+    const double *rho = b->lines->rho;
+    for (int f = 0; f < b->set.faces; f++) {
+        b->lines->push[f] = 0;
+        if (b->set.kind[f] != BED_INNER) continue;
+        const int l = b->set.left[f], q = b->set.right[f];
+        const double held = (rho[l] * r->held[l] + rho[q] * r->held[q]) / (rho[l] + rho[q]);
+        b->lines->push[f] = mean_at(b, f, gain);
+        if (held > 0) b->lines->push[f] += held * (mean_at(b, f, r->drive) - fall_of_face(b, f, dt, gravity));
+    }
+}
+
+/* Moves the stress on: tau' for V, no more than it may be. */
+static void find_stress(const struct bed *b, const double gravity[MAX_DIM]) {
+    const struct bed_friction *r = b->rub;
+    for (int i = 0; i < r->tensors; i++)
+        for (int f = 0; f < b->set.faces; f++)
+            if (r->part[f] == 0) b->set.stress[i][f] = 0;
+    for (int e = 0; e < r->faces; e++) {
+        const int f = r->face[e];
+        double D[TENSOR];
+        if (r->part[f] == 0) continue;
+        const struct face_view v = view_of(b, f);
+        const struct load l = load_of(b, &v, gravity);
+        strain_of(b, &v, r->V, D);
+        const double Y = yield_of(b, &v, &l, size_of(b, D), gravity);
+        for (int i = 0; i < r->tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
+        const double size = size_of(b, D), part = size > Y ? Y / size : 1;
+        for (int i = 0; i < r->tensors; i++) b->set.stress[i][f] = part * D[i];
+    }
+}
+
+static void find_state(const struct bed *b) {
+    const struct bed_friction *r = b->rub;
+    const int all = b->set.cells + b->set.ghosts;
+    for (int i = 0; i < b->set.cells; i++) r->p[i] = b->set.pressure[i] > 0 ? b->set.pressure[i] : b->lines->p[i];
+    bed_fill(b, 1, &r->p);
+    for (int at = 0; at < all; at += BATCH)
+        friction_share(&b->friction.params, b->material, all - at < BATCH ? all - at : BATCH, b->lines->rho + at,
+                       r->share + at);
+}
+
+status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    struct bed_friction *r = b->rub;
+    if (!r) return OK;
+    TRY(comm_agree(b->comm, make_room(b, r)));
+    find_state(b);
+    list_faces(b);
+    for (int i = 0; i < b->set.cells; i++) fit_cell(b, i);
+    find_drive(b, dt, gravity);
+    find_gradients(b, b->lines->u);
+    freeze(b, dt, gravity);
+    const int last = solve(b, dt, find_rate(b, dt));
+    find_velocity(b, 1, r->gain[last]);
+    find_gradients(b, r->V);
+    find_held(b);
+    bed_fill(b, b->components, r->gain[last]);
+    find_push(b, dt, gravity, r->gain[last]);
+    find_stress(b, gravity);
+    for (int k = 0; k < b->components; k++) {
+        memcpy(b->lines->rubbed[k], r->gain[last][k], (size_t)(b->set.cells + b->set.ghosts) * sizeof(double));
+        memcpy(b->lines->traction[k], r->through[last][k], (size_t)b->set.faces * sizeof(double));
+    }
+    return OK;
+}

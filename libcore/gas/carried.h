@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Quantities that the gas carries (models/carried.h; docs/physics.md 7.5). In the stages of an attempt at a step the
+ * engine sums up the mass that crosses each face. When the step stands, all quantities move at once by that mass, from
+ * the state before to that behind it, so that refused, repeated and limited stages need no care:
+ *     rho' phi' V = rho phi V - sum_f [M_f phi_f + P_f phi_from (1 - phi_to) - K_f (phi_out - phi)],   M_f outwards,
+ * M_f being the mass (Lin & Rood, Mon. Weather Rev. 124, 2046, 1996, carry tracers so), P_f = dt A rho f d.n and K_f =
+ * dt A rho D/h. As rho' V = rho V - sum M_f, a cell computes
+ *     phi' = phi - sum_f [M_f (phi_f - phi) + ..]/(rho' V),
+ * and a uniform phi keeps its bits. phi_f is that of the cell that mass leaves: linear in the cell, at the middle of
+ * what leaves it in the step, phi + s.(x_f - x - u dt/2), which is of second order in space and time.
+ *
+ * Bounds. Let out = sum_f (mass out of the cell + |P_f| + K_f). What stays behind, rho phi V - sum of what leaves, must
+ * be a mixture of the values in the cell and around it: the slope of a cell is multiplied by the greatest factor <= 1
+ * for which that is so, and for which each phi_f lies between the least and the largest of these values. For out <= rho
+ * V phi' is then a mean of values of phi, with weights >= 0. A step in which more leaves a cell is cut into equal
+ * parts.
+ *
+ * Nothing here costs anything in a gas that carries nothing: g->carried is NULL. */
+#ifndef LIBCORE_GAS_CARRIED_H
+#define LIBCORE_GAS_CARRIED_H
+
+#include "libcore/gas/gas.h"
+
+struct carried_quantity {
+    struct carried_choice choice;
+    unsigned terms;           /* bits of enum carried_terms */
+    const struct rule **rule; /* [npatches] of phi; the rules are borrowed */
+    double **phi;             /* [blocks][size] with a layer of ghosts */
+};
+struct carried {
+    int n;
+    struct carried_quantity *quantity; /* [n] */
+    unsigned terms;                    /* of all of them */
+    double up[MAX_DIM];                /* unit, against gravity; 0 without it */
+    /* [blocks][faces], lines of the engine: the mass through the faces in the last stage, later what carries phi; the
+     * mass in the attempt so far (kg; on a lattice per area); P and K of the quantity in hand */
+    long faces;
+    double **flux, **mass, **exchange, **spread;
+    double **slope; /* [blocks][1 + dim] lines of cells: phi_f is phi + line 0 + slopes * way to the face */
+    /* [blocks][size], with a layer of ghosts: rho, the mean over the step; D; f; rho T. NULL without terms */
+    double **rho, **D, **f, **stress;
+    bool clear; /* are exchange and spread 0? */
+};
+
+struct carried_part {       /* of a step, which is cut into equal parts */
+    double from, to, share; /* begin, end and length as fractions of the step */
+};
+
+struct carried_hooks {             /* of an engine */
+    status (*make)(struct gas *g); /* makes the lines over faces and `slope`, and sets `faces` */
+    void (*free)(struct gas *g);
+    /* Fills the ghosts of a line of cells, beyond patches with the values of the cells. Collective. */
+    void (*fill)(struct gas *g, double **line);
+    /* Fills the ghosts of phi, beyond patches with its value on the patch. Collective. */
+    void (*fill_phi)(struct gas *g, const struct carried_quantity *q);
+    void (*slope)(struct gas *g, double **line, double **out); /* the slope of a filled line along g->carried->up */
+    void (*terms)(struct gas *g, double dt);                   /* computes P and K of filled lines rho, D and f */
+    /* Finds in all cells the largest of out/(rho V) before the step, and with the less of both densities. */
+    void (*most_out)(const struct gas *g, double most[2]);
+    void (*slopes)(struct gas *g, const struct carried_quantity *q, struct carried_part part); /* with their ghosts */
+    void (*move)(struct gas *g, const struct carried_quantity *q, struct carried_part part);
+};
+
+status carried_make(struct gas *g);
+void carried_free(struct gas *g);
+void carried_begin(struct gas *g);               /* an attempt at a step begins */
+void carried_keep(struct gas *g, double weight); /* a stage is done, of which the time `weight` (s) reaches the end */
+/* The step of dt from t on stands: g->V has the state before, g->U that behind it. Collective. */
+status carried_move(struct gas *g, double t, double dt);
+
+#endif
