@@ -90,7 +90,8 @@ static void surface_temperature(const struct gas *g, const struct patch_rules *r
     double bulk[BATCH], shear[BATCH], heat[BATCH], cross[BATCH], none[BATCH] = {0}, share[2][BATCH], rate[BATCH];
     const bool sees = m->transport->needs & NEEDS_SHEAR_RATE;
     for (int i = 0; i < n && sees; i++) rate[i] = wall_drags(r) ? 2 * sqrt(slip[i]) / gap[i] : 0;
-    const struct closure_line cells = {m->eos, &m->material, n, rho, T, sees ? rate : NULL};
+    const struct closure_line cells = {
+        .eos = m->eos, .material = &m->material, .n = n, .rho = rho, .T = T, .shear_rate = sees ? rate : NULL};
     transport_row(g, &cells, bulk, shear, heat);
     if (g->diffusion.terms.cross) m->transport->cross(&m->transport_params, &cells, cross);
     struct wall_line line = {.n = n,

@@ -16,6 +16,8 @@ void grains_free(struct grains *g) {
     for (int k = 0; k < 3; k++) free(g->cells.row[k]);
     free(g->cells.slot);
     free(g->cells.next);
+    facet_cells_free(&g->walls);
+    free(g->impulse);
     calendar_free(g->queue);
     free(g);
 }
@@ -30,6 +32,8 @@ static status check_box(const struct grain_box *box, const struct grain_law *law
         return fail(ERR_INPUT, "a restitution of %g; it must lie in 0 to 1", law->restitution);
     if (!(law->threshold >= 0))
         return fail(ERR_INPUT, "a threshold of %g m/s; it must not be negative", law->threshold);
+    if (box->facets && 0.5 * d > box->facets->space.reach * (1 + 1e-9))
+        return fail(ERR_INPUT, "the walls are made for grains of at most %g m", 2 * box->facets->space.reach);
     for (int k = 0; k < box->dim; k++) {
         double length = box->high[k] - box->low[k];
         if (!(length < HUGE_VAL && isfinite(box->low[k])))
@@ -51,11 +55,16 @@ static status check_box(const struct grain_box *box, const struct grain_law *law
     return OK;
 }
 
+double grains_volume(const struct grain_box *box) {
+    double volume = 1;
+    for (int k = 0; k < box->dim; k++) volume *= box->high[k] - box->low[k];
+    return box->facets ? box->facets->space.volume : volume;
+}
+
 static status check_number(const struct grain_box *box, const struct grain_law *law, int n) {
     const double pi = 3.14159265358979323846, d = law->diameter;
-    double volume = 1, grain = box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d,
+    double volume = grains_volume(box), grain = box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d,
            most = box->dim == 2 ? 0.9069 : 0.7405;
-    for (int k = 0; k < box->dim; k++) volume *= box->high[k] - box->low[k];
     if (n < 1) return fail(ERR_INPUT, "there are no grains; at least one is needed");
     if (n * grain > most * volume)
         return fail(ERR_INPUT,
@@ -73,7 +82,11 @@ static void set_scales(struct grains *g) {
         g->pull[k] = k < g->dim ? fabs(g->law.gravity[k]) + fabs(g->box.shake[k]) * omega * omega : 0;
         all += g->pull[k];
     }
-    for (int k = 0; k < g->dim; k++) g->falls = g->falls || g->law.gravity[k] != 0;
+    for (int k = 0; k < g->dim; k++) {
+        g->falls = g->falls || g->law.gravity[k] != 0;
+        g->swings = g->swings || is_shaken(&g->box, k);
+    }
+    g->pull_all = sqrt(g->pull[0] * g->pull[0] + g->pull[1] * g->pull[1] + g->pull[2] * g->pull[2]);
     g->gentle = 1e-7 * sqrt(all * g->law.diameter);
 }
 
@@ -96,6 +109,7 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     TRY(allocate(&g->order, n, sizeof *g->order, "grains"));
     TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
     TRY(calendar_make(n, &g->queue));
+    if (box->facets) TRY(allocate(&g->impulse, box->facets->space.walls, sizeof *g->impulse, "walls"));
     return grains_cells_make(g);
 }
 
@@ -152,12 +166,29 @@ static status check_overlap(const struct grains *g, int i) {
     return OK;
 }
 
+/* Fails if a grain cuts a facet, or lies behind the facets; x is in the frame of the box. */
+static status check_facets(const struct grains *g, int i, const double x[3]) {
+    const double radius = 0.5 * g->law.diameter, slack = 1e-9 * g->law.diameter;
+    const struct facets *f = g->box.facets;
+    double at[3] = {0};
+    int facet;
+    for (int k = 0; k < g->dim; k++) at[k] = g->box.periodic[k] ? grains_wrap(&g->box, k, x[k]) : x[k];
+    const double distance = facet_cells_nearest(f, &g->walls, at, &facet);
+    if (distance < radius - slack)
+        return fail(ERR_INPUT,
+                    "grain %d at (%.9g %.9g %.9g) cuts a wall: its centre is %.9g m from it, and its radius is %.9g m",
+                    i, x[0], x[1], at[2], distance, radius);
+    if (facet_cells_inside(f, &g->walls, at, radius - slack)) return OK;
+    return fail(ERR_INPUT, "grain %d at (%.9g %.9g %.9g) is outside the walls", i, x[0], x[1], at[2]);
+}
+
 status grains_make(const struct grain_box *box, const struct grain_law *law, int n, const double (*x)[3],
                    const double (*u)[3], double t, struct grains **out) {
     struct grains *g = NULL;
     status s = make_empty(box, law, n, t, &g);
     for (int i = 0; i < n && !s; i++) s = place(g, i, x[i], u[i]);
     for (int i = 0; i < n && !s; i++) s = check_overlap(g, i);
+    for (int i = 0; i < n && !s && box->facets; i++) s = check_facets(g, i, x[i]);
     if (s) {
         grains_free(g);
         return s;
@@ -182,8 +213,8 @@ static status check_saved(const struct grains *g, int i) {
                p->x[k] <= grains_cell_edge(&g->cells, k, number + 1) + slack;
     }
     int b = e->partner;
-    good = good &&
-           (b >= 0 || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN || (b < 0 && b >= -2 * g->dim));
+    good = good && (b >= 0 || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN ||
+                    (g->box.facets ? grains_facet_of(&g->box, b) != NULL : b < 0 && b >= -2 * g->dim));
     if (!good) return fail(ERR_INPUT, "saved grain %d does not belong to this box, or its file is damaged", i);
     return OK;
 }
@@ -229,6 +260,8 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, c
         return s;
     }
     g->counts = *save->counts;
+    if (g->impulse && save->impulse)
+        memcpy(g->impulse, save->impulse, (size_t)box->facets->space.walls * sizeof *g->impulse);
     grains_set_sorting(g);
     *out = g;
     return OK;
@@ -278,6 +311,7 @@ static void take(struct grains *g, int i, double t, struct grain_observer *obser
         schedule_all(g);
     } else {
         if (e.partner < 0 && e.partner >= -6) grains_rebound(g, i, e.partner, t, observer);
+        if (e.partner <= FIRST_FACET) grains_rebound_facet(g, i, e.partner, t, observer);
         grains_predict(g, i, t);
     }
 }
@@ -357,6 +391,13 @@ const int32_t *grains_ids(const struct grains *g) {
 }
 const struct grain_counts *grains_counted(const struct grains *g) {
     return &g->counts;
+}
+const double (*grains_impulses(const struct grains *g))[3] {
+    return (const double(*)[3])g->impulse;
+}
+const struct facet *grains_facet_of(const struct grain_box *box, int b) {
+    const int f = FIRST_FACET - b;
+    return box->facets && f >= 0 && f < box->facets->n ? &box->facets->facet[f] : NULL;
 }
 double grains_time(const struct grains *g) {
     return g->time;

@@ -8,10 +8,10 @@
  * Grains leave an impact with at least 1e-13 of their speeds and 1e-7 sqrt(G diameter), G the largest acceleration
  * relative to the box: even without a threshold, time goes on (slowly: a collapse then takes millions of impacts).
  *
- * Space is a box with axes 0..dim-1, periodic or walled axis by axis. The box as a whole may be shaken: its
- * displacement is s_k(t) = shake[k] cos(omega t + phase). All positions and velocities in this header are in the frame
- * of the box; inside, flight is computed in the frame at rest, where gravity is constant, and the impact on a moving
- * wall is the first root of the exact distance.
+ * Space is a box with axes 0..dim-1, periodic or walled axis by axis, or what facets bound in it (facets.h). The box as
+ * a whole may be shaken: its displacement is s_k(t) = shake[k] cos(omega t + phase). All positions and velocities in
+ * this header are in the frame of the box; inside, flight is computed in the frame at rest, where gravity is constant,
+ * and the impact on a moving wall is the first root of the exact distance.
  *
  * Each grain keeps its own clock (position, velocity and the time they belong to) and its next event; cells of at least
  * one diameter find partners; a queue (calendar.h) orders the events, equal times by the grain's index. What was
@@ -21,6 +21,7 @@
 #ifndef LIBCORE_GRAINS_H
 #define LIBCORE_GRAINS_H
 
+#include "libcore/grains/facets.h"
 #include "mesh/base/status.h"
 
 #include <stdbool.h>
@@ -33,6 +34,10 @@ struct grain_box {
     double restitution[3][2]; /* restitution of the low and the high wall of an axis that is not periodic */
     double shake[3];          /* m: amplitudes of s_k */
     double omega, phase;      /* 1/s, rad */
+    /* Walls of any shape stand in place of the flat ones; low and high are then a box around them. Borrowed; NULL: no
+     */
+    const struct facets *facets;
+    const double *wall_restitution; /* [walls of facets]; NULL: 1 */
 };
 struct grain_law {
     double diameter; /* m, at time 0 */
@@ -49,7 +54,8 @@ struct grain {
     double impact;        /* s: time of the impact predicted for it, no later than its first; HUGE_VAL: none */
 };
 struct grain_event {
-    /* partner in that impact: >= 0: grain; < 0: -1 - (2 axis + side) a wall; other values are the engine's own */
+    /* partner in that impact: >= 0: grain; < 0: -1 - (2 axis + side) a wall; FIRST_FACET and below: a facet, see
+     * grains_facet_of; other values are the engine's own */
     int32_t partner;
     uint32_t known;   /* the partner's `changes` when the impact was predicted */
     uint32_t changes; /* count of changes of the grain's velocity: events predicted with an older number are void */
@@ -70,6 +76,9 @@ struct grain_impact {
     double impulse;   /* kg m/s, > 0: the first grain gets -impulse * normal */
     int a, b;         /* indices of the grains at that time; b < 0: the wall, as in struct grain_event */
 };
+enum { FIRST_FACET = -2000 };
+/* Returns the facet that stands as b in an impact; NULL: b is no facet. */
+const struct facet *grains_facet_of(const struct grain_box *box, int b);
 struct grain_observer { /* hears of every impact; the first member of any struct that listens */
     void (*impact)(struct grain_observer *self, const struct grain_impact *i);
 };
@@ -86,6 +95,7 @@ struct grain_save { /* what grains_all, grains_events, grains_ids and grains_cou
     const struct grain_event *event;
     const int32_t *id;
     const struct grain_counts *counts;
+    const double (*impulse)[3]; /* of grains_impulses; NULL without facets */
 };
 /* Makes grains from what was saved: the run continues to the bit. */
 status grains_resume(const struct grain_box *box, const struct grain_law *law, const struct grain_save *save,
@@ -107,7 +117,9 @@ const struct grain *grains_all(const struct grains *g);          /* [n] */
 const struct grain_event *grains_events(const struct grains *g); /* [n] */
 const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number id[i]; indices change now and then */
 const struct grain_counts *grains_counted(const struct grains *g);
+const double (*grains_impulses(const struct grains *g))[3]; /* [walls of facets] kg m/s: given to each of them */
 double grains_time(const struct grains *g);
-double grains_bytes(int n, int dim); /* memory that a run takes, about */
+double grains_volume(const struct grain_box *box); /* m^3 (disks: m^2) between the walls */
+double grains_bytes(int n, int dim);               /* memory that a run takes, about */
 
 #endif

@@ -19,7 +19,7 @@ static void set_reach(struct grains *g, int k, double diameter) {
     far *= 1 + 1e-9;
     c->reach[k][0] = -1;
     c->reach[k][1] = c->n[k];
-    if (g->box.periodic[k]) return;
+    if (g->box.periodic[k] || g->box.facets) return;
     while (c->reach[k][0] + 1 < c->n[k] && grains_cell_edge(c, k, c->reach[k][0] + 1) <= c->low[k] + far)
         c->reach[k][0]++;
     while (c->reach[k][1] > 0 && grains_cell_edge(c, k, c->reach[k][1]) >= c->high[k] - far) c->reach[k][1]--;
@@ -83,7 +83,7 @@ bool grains_cells_widen(struct grains *g) {
     set_rows(g);
     for (int i = 0; i < g->n; i++) g->event[i].cell = grains_cell_of(g, g->grain[i].x);
     grains_cells_fill(g);
-    return true;
+    return !grains_facets_make(g);
 }
 
 status grains_cells_make(struct grains *g) {
@@ -98,7 +98,8 @@ status grains_cells_make(struct grains *g) {
     for (int k = 0; k < 3; k++) TRY(allocate(&c->row[k], c->n[k], sizeof *c->row[k], "cells"));
     set_rows(g);
     TRY(allocate(&c->slot, (long)c->all * SLOTS, sizeof *c->slot, "cells"));
-    return allocate(&c->next, g->n, sizeof *c->next, "cells");
+    TRY(allocate(&c->next, g->n, sizeof *c->next, "cells"));
+    return grains_facets_make(g);
 }
 
 int32_t grains_cell_of(const struct grains *g, const double x[3]) {

@@ -24,7 +24,11 @@ static struct rebound rebound(struct grains *g, double approach, double e, doubl
     return (struct rebound){ratio, fmax(ratio * approach, least)};
 }
 
-static void tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
+double grains_speed_after(struct grains *g, double approach, double e, const double u[3]) {
+    return rebound(g, approach, e, g->gentle + 1e-13 * speed(u)).speed;
+}
+
+void grains_tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
                  double distance, double impulse) {
     struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b};
     const struct grain *p = &g->grain[a];
@@ -59,15 +63,15 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
     g->event[b].changes++;
     g->counts.pairs++;
     g->counts.lost += 0.25 * g->law.mass * (normal - after) * (normal + after);
-    if (observer) tell(g, observer, a, b, t, r, distance, g->law.mass * factor * distance);
+    if (observer) grains_tell(g, observer, a, b, t, r, distance, g->law.mass * factor * distance);
 }
 
 void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[a];
     int k = (-1 - wall) / 2, side = (-1 - wall) & 1;
-    double out = side ? 1 : -1, e = g->box.restitution[k][side], least = g->gentle + 1e-13 * speed(p->u);
+    double out = side ? 1 : -1, e = g->box.restitution[k][side];
     double growth = 0.5 * g->law.growth, outward = out * (p->u[k] - grains_swing(&g->box, k, t).v);
-    double approach = fmax(outward + growth, 0), after = rebound(g, approach, e, least).speed + growth;
+    double approach = fmax(outward + growth, 0), after = grains_speed_after(g, approach, e, p->u) + growth;
     double gain = outward + after, r[3] = {0};
     p->u[k] -= out * gain;
     g->event[a].changes++;
@@ -75,5 +79,5 @@ void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_ob
     g->counts.lost += 0.5 * g->law.mass * (outward - after) * (outward + after);
     g->counts.wall_impulse[k][side] += g->law.mass * gain;
     r[k] = out;
-    if (observer) tell(g, observer, a, wall, t, r, 1, g->law.mass * gain);
+    if (observer) grains_tell(g, observer, a, wall, t, r, 1, g->law.mass * gain);
 }

@@ -189,6 +189,10 @@ static void consider_walls(struct grains *g, int i, double leaving) {
     const struct grain_cells *c = &g->cells;
     struct grain *p = &g->grain[i];
     struct grain_event *e = &g->event[i];
+    if (g->box.facets) {
+        grains_consider_facets(g, i, leaving);
+        return;
+    }
     for (int k = 0; k < g->dim; k++)
         for (int side = 0; side < 2; side++) {
             int number = cell_number(c, e->cell, k);

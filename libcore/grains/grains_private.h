@@ -5,6 +5,7 @@
 #define LIBCORE_GRAINS_PRIVATE_H
 
 #include "libcore/grains/calendar.h"
+#include "libcore/grains/facets.h"
 #include "libcore/grains/grains.h"
 #include "libcore/models/kernel.h"
 
@@ -49,6 +50,8 @@ struct grains {
     int32_t *id;
     struct grain_counts counts;
     struct grain_cells cells;
+    struct facet_cells walls; /* the facets near each cell; empty without facets */
+    double (*impulse)[3];     /* [walls] kg m/s: given to each wall of facets */
     struct calendar *queue;
     int64_t sort_at;           /* number of pair impacts at which the grains are sorted next; -1: never */
     uint64_t *order;           /* [n] scratch of grains_sort */
@@ -57,6 +60,8 @@ struct grains {
     bool falls;                /* gravity is not zero */
     double gentle;             /* m/s: 1e-7 sqrt(G diameter), see grains_impact.c */
     double pull[3];            /* m/s^2: bound G_k of the acceleration relative to the box */
+    double pull_all;           /* the length of that vector */
+    bool swings;               /* the box is shaken */
 };
 
 struct swing { /* displacement (m) and velocity (m/s) of the box along one axis */
@@ -154,7 +159,18 @@ double grains_wrap(const struct grain_box *box, int k, double x); /* x moved int
 double grains_wall_time(const struct grains *g, int i, int axis, int side, double limit, bool *again);
 double grains_first_root(double h, double v, double a);
 
-/* grains_impact.c */
+/* grains_facets.c: lists the facets near each cell, if there are any; looks for impacts on those near grain i's cell no
+ * later than it leaves that; lets grain a rebound from the facet of `partner`. */
+status grains_facets_make(struct grains *g);
+void grains_consider_facets(struct grains *g, int i, double leaving);
+void grains_rebound_facet(struct grains *g, int a, int partner, double t, struct grain_observer *observer);
+double grains_facet_time(const struct grains *g, int i, int facet, double limit, bool *again); /* as grains_wall_time */
+
+/* grains_impact.c: returns the speed at which a grain of velocity u leaves a wall that it came to at `approach`; tells
+ * the observer of an impact along r, which has the length `distance`. */
+double grains_speed_after(struct grains *g, double approach, double e, const double u[3]);
+void grains_tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
+                 double distance, double impulse);
 void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer);
 void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer);
 

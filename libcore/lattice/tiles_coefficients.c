@@ -53,8 +53,12 @@ static void coefficient_visit(void *context, long offset, int n) {
     for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= warm[i];
     for (int i = 0; i < n && !g->diffusion.ahead; i++) warm[i] = T[i];
     const struct gas_models *m = &g->models;
-    const struct closure_line cells = {
-        m->eos, &m->material, n, v->U + offset, T, v->shear_rate ? v->shear_rate + offset : NULL};
+    const struct closure_line cells = {.eos = m->eos,
+                                       .material = &m->material,
+                                       .n = n,
+                                       .rho = v->U + offset,
+                                       .T = T,
+                                       .shear_rate = v->shear_rate ? v->shear_rate + offset : NULL};
     transport_row(g, &cells, w->p + offset, w->c + offset, w->gruneisen + offset);
     if (v->cross) m->transport->cross(&m->transport_params, &cells, v->cross + offset);
     if (v->dilation) m->transport->dilation(&m->transport_params, &cells, v->dilation + offset);

@@ -6,6 +6,11 @@
 
 #include "libcore/models/eos.h"
 
+enum grains_shape { GRAINS_DISKS = 1, GRAINS_SPHERES = 2, GRAINS_BOTH = GRAINS_DISKS | GRAINS_SPHERES };
+static inline enum grains_shape shape_of(const struct material *m) {
+    return m->disks ? GRAINS_DISKS : GRAINS_SPHERES;
+}
+
 enum { NEEDS_SHEAR_RATE = 1 }; /* bits of `needs` in the row of a law */
 
 struct closure_line { /* n <= BATCH cells */
@@ -18,6 +23,9 @@ struct closure_line { /* n <= BATCH cells */
      * d = 2 for disks and 3 for spheres; in a shear flow (y gamma, 0, 0) that is |gamma|. Exactly 0 in uniform gas, so
      * a law must bear 0. NULL unless the law needs it. */
     const double *shear_rate;
+    /* 1 - s, the share of the stress that impacts carry where contacts with friction carry the share s, 0 to 1; NULL: 1
+     * everywhere. Correlations between impacts fade with it. */
+    const double *by_impacts;
 };
 
 #endif

@@ -4,6 +4,8 @@
 
 #include "libcore/models/kernel.h"
 
+#define PI 3.14159265358979323846
+
 /* Computes T/(1 + B sqrt(T) dt/2)^2, the solution of Haff's law dT/dt = -B T^(3/2) (docs/physics.md 3.2); B =
  * per_contact G. */
 KERNEL static void cool(int n, double g1, double per_contact, double dt, const double *restrict contact,
@@ -44,11 +46,16 @@ KERNEL static void cool_above(int n, double g1, double per_contact, double thres
     }
 }
 
+/* Returns 1 - e^2 of the restitution that friction leaves. */
+static double losses_of(const struct material *m) {
+    const double e = effective_restitution(m);
+    return 1 - e * e;
+}
+
 /* Advances eps by Haff's law with `factor` times its rate. */
 static void cool_by(double factor, const struct closure_line *cells, double dt, double *restrict eps) {
     const struct material *m = cells->material;
-    const double g1 = m->gamma - 1, losses = 1 - m->restitution * m->restitution;
-    const double loss = factor * (cooling_factor(m) * losses / m->diameter);
+    const double g1 = m->gamma - 1, loss = factor * (cooling_factor(m) * losses_of(m) / m->diameter);
     double contact[BATCH];
     cells->eos->contact(m, cells->n, cells->rho, contact);
     if (m->threshold > 0)
@@ -71,11 +78,136 @@ static void garzo_dufty(const struct own_params *params, const struct closure_li
     cool_by(1 + 3. / 16 * second_sonine(cells->material), cells, dt, eps);
 }
 
+/* ---- laws with a length of correlations (docs/physics.md 3.7) ----
+ *
+ * dT/dt = -B T^(3/2)/max(1, a/sqrt T) has one solution above sqrt T = a, Haff's, and one below, 1/T = 1/T0 + B t/a. Gas
+ * that passes a on its way has the second from there on: T = a^2/(a B t + 2 a/sqrt T0 - 1). */
+KERNEL static void cool_correlated(int n, double g1, double per_contact, double dt, const double *restrict contact,
+                                   const double *restrict bound, double *restrict eps) {
+    for (int i = 0; i < n; i++) {
+        const double root = sqrt(g1 * eps[i]), a = larger(bound[i], 1e-100);
+        const double slow = 1 + 0.5 * dt * (per_contact * contact[i]) * root, path = dt * (per_contact * contact[i]);
+        const double above = eps[i] / (slow * slow), below = eps[i] / (1 + path * (root / a) * root);
+        const double passed = smaller(a * (a / g1) / (a * path + (2 * a / root - 1)), eps[i]);
+        eps[i] = root <= a ? below : root < a * slow ? passed : above;
+    }
+}
+
+/* Divides G by L/sigma of the T that eps is. */
+KERNEL static void divide_by_length(int n, double g1, const double *restrict bound, const double *restrict eps,
+                                    const double *restrict contact, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = contact[i] / larger(1, bound[i] / sqrt(g1 * eps[i]));
+}
+
+/* The law with a threshold, by a midpoint rule: L is that of T after half the step. */
+static void cool_length_above(const struct closure_line *cells, double per_contact, const double *contact,
+                              const double *bound, double dt, double *restrict eps) {
+    const double g1 = cells->material->gamma - 1, threshold = cells->material->threshold;
+    const int n = cells->n;
+    double slowed[BATCH] = {0}, half[BATCH];
+    memcpy(half, eps, (size_t)n * sizeof *half);
+    divide_by_length(n, g1, bound, half, contact, slowed);
+    cool_above(n, g1, per_contact, threshold, 0.5 * dt, slowed, half);
+    divide_by_length(n, g1, bound, half, contact, slowed);
+    cool_above(n, g1, per_contact, threshold, dt, slowed, eps);
+}
+
+/* Advances eps by Haff's law with B T^(3/2) sigma/L; bound: a, in m/s. */
+static void cool_with_length(const struct closure_line *cells, const double *contact, const double *bound, double dt,
+                             double *restrict eps) {
+    const struct material *m = cells->material;
+    const double g1 = m->gamma - 1, per_contact = g1 * (cooling_factor(m) * losses_of(m) / m->diameter);
+    if (m->threshold > 0)
+        cool_length_above(cells, per_contact, contact, bound, dt, eps);
+    else
+        cool_correlated(cells->n, g1, per_contact, dt, contact, bound, eps);
+}
+
+/* Finds a of f0, where contacts with friction carry a share of the stress less. */
+static void bound_of(const struct closure_line *cells, const double *f0, double *bound) {
+    const double *share = cells->by_impacts;
+    for (int i = 0; i < cells->n; i++)
+        bound[i] = f0[i] * (cells->shear_rate[i] * cells->material->diameter) * (share ? share[i] : 1);
+}
+
+/* Jenkins (2007), Jenkins & Berzi (2010): f0 = (c/2) G^(1/3). */
+struct jenkins {
+    double c;
+};
+OWN_PARAMS_FIT(struct jenkins);
+#define PARAM_STRUCT struct jenkins
+static const struct param jenkins_param[] = {
+    NUMBER("c", c, 0.5, FROM_TO(0, 10), NO_UNIT, "L/diameter = (c/2) G^(1/3) diameter shear rate/sqrt T, at least 1"),
+};
+#undef PARAM_STRUCT
+
+KERNEL static void jenkins_length(int n, double c, const double *restrict contact, double *restrict f0) {
+    for (int i = 0; i < n; i++) f0[i] = 0.5 * c * power(larger(contact[i], 1e-200), 1. / 3);
+}
+
+static void jenkins(const struct own_params *params, const struct closure_line *cells, double dt,
+                    double *restrict eps) {
+    struct jenkins own;
+    double contact[BATCH], f0[BATCH], bound[BATCH];
+    memcpy(&own, params, sizeof own);
+    cells->eos->contact(cells->material, cells->n, cells->rho, contact);
+    jenkins_length(cells->n, own.c, contact, f0);
+    bound_of(cells, f0, bound);
+    cool_with_length(cells, contact, bound, dt, eps);
+}
+
+/* Berzi & Vescovi (2015): f0^2 = 2 J/(15 (1 - e'^2)) S^3, with S the L/sigma of homogeneous shear,
+ *   S = 1 + (26/15) (1 - e') max(0, (nu - nu_1)/(nu_2 - nu)),
+ * e' the effective restitution, and J of the shear viscosity (8/(5 sqrt pi)) rho_p sigma sqrt T nu G J,
+ *   J = (1 + e)/2 + (pi/32) [5/G + 2 (1 + e)(3 e - 1)] [5/G + 4 (1 + e)]/[24 - 6 (1 - e)^2 - 5 (1 - e^2)].
+ * nu is taken at most at EOS_PACKING nu_2, so that L is finite. */
+struct berzi_vescovi {
+    double from, to; /* nu_1, nu_2 */
+};
+OWN_PARAMS_FIT(struct berzi_vescovi);
+#define PARAM_STRUCT struct berzi_vescovi
+static const struct param berzi_vescovi_param[] = {
+    NUMBER("alphaFreezing", from, 0.49, FROM_TO(0, 0.6), NO_UNIT,
+           "packing fraction above which L of steady shear grows"),
+    NUMBER("alphaRandom", to, 0.64, FROM_TO(0.61, 1), NO_UNIT,
+           "packing fraction at which L diverges, whatever the friction"),
+};
+#undef PARAM_STRUCT
+
+KERNEL static void berzi_vescovi_length(const struct material *m, struct berzi_vescovi own, int n,
+                                        const double *restrict rho, const double *restrict contact,
+                                        double *restrict f0) {
+    const double e = m->restitution, lost = 1 - effective_restitution(m), per = packing_per_density(m);
+    const double unlike = PI / 32 / (24 - 6 * (1 - e) * (1 - e) - 5 * (1 - e * e)), factor = 2 / (15 * losses_of(m));
+    for (int i = 0; i < n; i++) {
+        const double thin = 5 / larger(contact[i], 1e-100), nu = smaller(per * rho[i], EOS_PACKING * own.to);
+        const double J = 0.5 * (1 + e) + unlike * (thin + 2 * (1 + e) * (3 * e - 1)) * (thin + 4 * (1 + e));
+        const double S = 1 + 26. / 15 * lost * larger((nu - own.from) / (own.to - nu), 0);
+        f0[i] = smaller(sqrt(factor * J * S) * S, 1e100);
+    }
+}
+
+static void berzi_vescovi(const struct own_params *params, const struct closure_line *cells, double dt,
+                          double *restrict eps) {
+    struct berzi_vescovi own;
+    double contact[BATCH], f0[BATCH], bound[BATCH];
+    memcpy(&own, params, sizeof own);
+    cells->eos->contact(cells->material, cells->n, cells->rho, contact);
+    berzi_vescovi_length(cells->material, own, cells->n, cells->rho, contact, f0);
+    bound_of(cells, f0, bound);
+    cool_with_length(cells, contact, bound, dt, eps);
+}
+
 const struct cooling cooling_table[] = {
     {MODEL("Haff", "inelastic collisions, integrated exactly; grain.thresholdSpeed spares the slow ones"),
-     .step = haff},
+     .valid = GRAINS_BOTH, .step = haff},
     {MODEL("GarzoDufty", "Haff's with the second Sonine coefficient of the velocities (Garzo & Dufty 1999)"),
-     .step = garzo_dufty},
+     .valid = GRAINS_BOTH, .step = garzo_dufty},
+    {MODEL_WITH("Jenkins", "Haff's over the length of correlations that shear makes (Jenkins 2007)", jenkins_param),
+     .valid = GRAINS_BOTH, .needs = NEEDS_SHEAR_RATE, .step = jenkins},
+    {MODEL_WITH("BerziVescovi", "Haff's over the length of correlations of Berzi & Vescovi (2015)",
+                berzi_vescovi_param),
+     .valid = GRAINS_SPHERES, .needs = NEEDS_SHEAR_RATE, .step = berzi_vescovi},
 };
 const int cooling_count = sizeof cooling_table / sizeof *cooling_table;
 

@@ -15,6 +15,9 @@ const struct param grain_param[] = {
            "granularWall, restitutionCoefficient of JohnsonJacksonSlip"),
     NUMBER("thresholdSpeed", threshold, 0, FROM_TO(0, 1e30), UNIT(0, 1, -1),
            "impacts with a normal speed below it are elastic: cooling fades, nothing collapses; 0: none are"),
+    NUMBER("friction", friction, 0, FROM_TO(0, 10), NO_UNIT,
+           "Coulomb friction mu_p of contacts: impacts lose as with restitution e - 1.5 mu_p exp(-3 mu_p), and "
+           "VescoviSpheres packs less; 0: smooth grains"),
 };
 const int grain_nparam = sizeof grain_param / sizeof *grain_param;
 
@@ -32,6 +35,10 @@ double cooling_factor(const struct material *m) {
 double second_sonine(const struct material *m) {
     const double e = m->restitution, d = m->disks ? 2 : 3;
     return 16 * (1 - e) * (1 - 2 * e * e) / (9 + 24 * d - (41 - 8 * d) * e + 30 * e * e * (1 - e));
+}
+
+double effective_restitution(const struct material *m) {
+    return larger(m->restitution - 1.5 * m->friction * exponential(-3 * m->friction), 0);
 }
 
 /* Densities below the limit may give nu = alpha_max once they are rounded. G follows its formula up to this fraction of
@@ -242,10 +249,69 @@ KERNEL static void spheres_slope(const struct material *m, int n, const double *
     torquato_slope(3, m, n, rho, steep);
 }
 
+/* Vescovi, Berzi, Richard & Brodu (2014), fitted to sheared grains (docs/physics.md 2.6):
+ *   chi = (1 - g) (1 - nu/2)/(1 - nu)^3 + g 2/(nu_s - nu),  g = ((nu - 0.4)/(nu_s - 0.4))^2 above nu 0.4, else 0.
+ * chi' is continuous. nu_s = alpha_max is the packing at which sheared grains jam, and depends on their friction. */
+#define VESCOVI_FROM 0.4
+
+/* Returns G; *steep = nu G'. */
+ALWAYS_INLINE double vescovi_value(double packed, double nu, double *steep) {
+    const double per = 1 / (packed - VESCOVI_FROM), at = smaller(nu, packed * LAST_DIGIT);
+    double slope, thin = fluid_value(3, at, &slope), inverse = 1 / (packed - at);
+    double w = larger(at - VESCOVI_FROM, 0) * per, more = 2 * inverse - thin;
+    double gradient = thin + w * w * more + at * (slope + 2 * w * per * more + w * w * (2 * inverse * inverse - slope));
+    *steep = nu * gradient;
+    return at * (thin + w * w * more) + gradient * (nu - at);
+}
+
+KERNEL static void vescovi_state(const struct material *m, int n, const double *restrict rho,
+                                 const double *restrict eps, double *restrict p, double *restrict c2,
+                                 double *restrict gruneisen) {
+    const double k = packing_per_density(m), packed = m->alpha_max, pairs = 2 * (1 + m->restitution), g1 = m->gamma - 1;
+    for (int i = 0; i < n; i++) {
+        double steep, A = 1 + pairs * vescovi_value(packed, k * rho[i], &steep), T = g1 * eps[i];
+        p[i] = rho[i] * T * A;
+        c2[i] = T * fma(g1 * A, A, A + pairs * steep);
+        gruneisen[i] = g1 * A;
+    }
+}
+
+KERNEL static void vescovi_contact(const struct material *m, int n, const double *restrict rho,
+                                   double *restrict contact) {
+    const double k = packing_per_density(m), packed = m->alpha_max;
+    for (int i = 0; i < n; i++) {
+        double steep;
+        contact[i] = vescovi_value(packed, k * rho[i], &steep);
+    }
+}
+
+KERNEL static void vescovi_slope(const struct material *m, int n, const double *restrict rho, double *restrict steep) {
+    const double k = packing_per_density(m), packed = m->alpha_max;
+    for (int i = 0; i < n; i++) (void)vescovi_value(packed, k * rho[i], &steep[i]);
+}
+
+/* Returns nu_s of frictional grains, linear between the values of Chialvo, Sun & Sundaresan (2012). */
+static double vescovi_packing(double friction) {
+    static const double table[][2] = {{0, 0.636}, {0.1, 0.613}, {0.3, 0.587}, {0.5, 0.581}, {1, 0.573}};
+    enum { LAST = sizeof table / sizeof *table - 1 };
+    int i = 0;
+    while (i < LAST - 1 && friction > table[i + 1][0]) i++;
+    const double share = (friction - table[i][0]) / (table[i + 1][0] - table[i][0]);
+    return table[i][1] + smaller(share, 1) * (table[i + 1][1] - table[i][1]);
+}
+
 static const struct param gs_param[] = {
     NUMBER("gamma", gamma, 5. / 3, BETWEEN(1, 3), NO_UNIT, "ratio of specific heats of the dilute elastic gas"),
     NUMBER("alphaMax", alpha_max, 0.65, BETWEEN(0, 1), NO_UNIT, "packing fraction at which the pressure diverges"),
     SWITCH("printedSoundSpeed", printed_sound, false, "sound speed with the misprinted A' of Serna & Marquina"),
+};
+#define JAMMED FROM_TO(0, 0.7), .example = "alphaMax 0.636;"
+static const struct param vescovi_param[] = {
+    NUMBER("gamma", gamma, 5. / 3, BETWEEN(1, 3), NO_UNIT, "ratio of specific heats of the dilute elastic gas"),
+    NUMBER(
+        "alphaMax", alpha_max, USUALLY(0, "by grain.friction"), JAMMED, NO_UNIT,
+        "packing at which sheared grains jam and the pressure diverges, 0.5 to 0.7; 0: that of grain.friction, 0.636, "
+        "0.613, 0.587, 0.581, 0.573 at 0, 0.1, 0.3, 0.5, 1"),
 };
 static const struct param perfect_param[] = {
     NUMBER("gamma", gamma, 5. / 3, BETWEEN(1, 3), NO_UNIT, "ratio of specific heats"),
@@ -281,6 +347,8 @@ static bool joint_rises(const struct eos *eos, const struct material *m) {
 }
 
 const char *eos_objection(const struct eos *eos, const struct material *m) {
+    if (eos->packing && m->alpha_max < 0.5)
+        return "alphaMax of sheared spheres lies from 0.5 to 0.7; 0: by grain.friction";
     if (eos->model.param != disks_param && eos->model.param != spheres_param) return NULL;
     if (m->freezing - m->smoothing <= 0 || m->freezing + m->smoothing >= EOS_PACKING * m->alpha_max)
         return "0 < alphaFreezing - smoothing and alphaFreezing + smoothing < 0.9999 alphaMax are needed";
@@ -298,6 +366,10 @@ const struct eos eos_table[] = {
      .bounded = true, .disks = true, .state = disks_state, .contact = disks_contact, .slope = disks_slope},
     {MODEL_WITH("TorquatoSpheres", "dense spheres, Torquato's contact value (1995)", spheres_param), .bounded = true,
      .state = spheres_state, .contact = spheres_contact, .slope = spheres_slope},
+    {MODEL_WITH("VescoviSpheres", "dense sheared spheres, also with friction (Vescovi, Berzi, Richard & Brodu 2014)",
+                vescovi_param),
+     .bounded = true, .state = vescovi_state, .contact = vescovi_contact, .slope = vescovi_slope,
+     .packing = vescovi_packing},
 };
 const int eos_count = sizeof eos_table / sizeof *eos_table;
 

@@ -20,6 +20,7 @@ struct material {       /* parameters of the grains and of the equation of state
     double restitution; /* e: coefficient of normal restitution */
     /* v_c, m/s: normal impacts slower than this are elastic; 0: none are (libcore/models/cooling.h) */
     double threshold;
+    double friction;    /* mu_p: Coulomb friction of contacts; 0: smooth grains */
     double gamma;       /* ratio of specific heats of the dilute elastic gas: 5/3 spheres, 2 disks */
     double alpha_max;   /* packing fraction at which the pressure diverges, or would without the tangent */
     bool tangent;       /* does Torquato's G go on as its tangent from EOS_PACKING of alpha_max on, without a bound? */
@@ -41,6 +42,8 @@ struct eos {
     void (*contact)(const struct material *m, int n, const double *restrict rho, double *restrict contact);
     /* Computes steep = nu G'(nu). */
     void (*slope)(const struct material *m, int n, const double *restrict rho, double *restrict steep);
+    /* Returns alpha_max of grains with a friction, for cases that leave it at 0. NULL: they give it, or the row. */
+    double (*packing)(double friction);
 };
 
 /* Granular temperature of an internal energy per unit mass, T = (gamma - 1) eps, and the energy of a temperature. As
@@ -71,6 +74,9 @@ double cooling_factor(const struct material *m);
  * Noije & Ernst 1998),
  *   a2 = 16 (1 - e)(1 - 2 e^2)/[9 + 24 d - (41 - 8 d) e + 30 e^2 (1 - e)]: 0 if they are elastic. */
 double second_sonine(const struct material *m);
+/* Returns the normal restitution whose smooth grains lose as much in an impact as these grains, which rub, too
+ * (docs/physics.md 3.7; Chialvo & Sundaresan 2013): e - (3/2) mu_p exp(-3 mu_p), at least 0. */
+double effective_restitution(const struct material *m);
 /* Return the packing fraction, and the density, below which a gas must stay: alpha_max and rho there, or HUGE_VAL if
  * the equation of state has no limit. */
 double packing_limit(const struct eos *eos, const struct material *m);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Friction of grains that stay in contact: a table of laws for its coefficient mu(I). docs/physics.md 4.9 has the
+/* Friction of grains that stay in contact: a table of laws for its coefficient mu(I). docs/physics.md 4.10 has the
  * equations.
  *
  * Where gas is packed, contacts that last carry shear. Their stress tau obeys

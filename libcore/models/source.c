@@ -8,7 +8,7 @@
 /* Cooling, by its law (libcore/models/cooling.h; docs/physics.md 3.2). */
 
 static bool cooling_active(const struct sources *all, const struct material *m) {
-    return all->cooling && m->restitution < 1 && m->diameter > 0;
+    return all->cooling && effective_restitution(m) < 1 && m->diameter > 0;
 }
 
 static void cooling_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],

@@ -33,10 +33,10 @@ KERNEL static void disks_of_contact(const struct closure_line *cells, double bul
     }
 }
 
-/* Returns the density at which the coefficients end: above it they are those there times rho/(rho there)
- * (docs/physics.md 4.5). */
-static double packed_density(const struct material *m) {
-    return m->alpha_max > 0 ? EOS_PACKING * m->alpha_max / packing_per_density(m) : HUGE_VAL;
+/* Returns the density at which the coefficients end, a fraction of that of alpha_max: above it they are those there
+ * times rho/(rho there) (docs/physics.md 4.5). */
+static double packed_density(const struct material *m, double fraction) {
+    return m->alpha_max > 0 ? fraction * m->alpha_max / packing_per_density(m) : HUGE_VAL;
 }
 
 static void jenkins_richman(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
@@ -45,7 +45,7 @@ static void jenkins_richman(const struct own_params *params, const struct closur
     const int n = cells->n;
     struct jenkins_richman own;
     memcpy(&own, params, sizeof own);
-    const double low = own.alpha_min / packing_per_density(m), high = packed_density(m);
+    const double low = own.alpha_min / packing_per_density(m), high = packed_density(m, EOS_PACKING);
     double clipped[BATCH], contact[BATCH];
     for (int i = 0; i < n; i++) clipped[i] = smaller(larger(cells->rho[i], low), high);
     cells->eos->contact(m, n, clipped, contact);
@@ -68,6 +68,7 @@ struct garzo_dufty {
     double knudsen;   /* packing fraction at which the coefficients are halved; 0: they are not cut */
     int zeta_u;       /* index of zeta_words */
     int stress;       /* index of stress_words; 1: diagonal, derivatives across faces alone (docs/physics.md 4.6) */
+    double end;       /* fraction of alpha_max above which coefficients go with the density; 0: EOS_PACKING */
 };
 OWN_PARAMS_FIT(struct garzo_dufty);
 
@@ -87,8 +88,8 @@ struct garzo_constants {
     double s0, s1, s2, h0, h1, h2, h3, h4, c0, c1, c2;
 };
 
-static struct garzo_constants garzo_constants_of(const struct material *m) {
-    const double e = m->restitution, d = m->disks ? 2 : 3, a2 = second_sonine(m), pairs = 1 + e;
+static struct garzo_constants garzo_constants_of(const struct material *m, double a2) {
+    const double e = m->restitution, d = m->disks ? 2 : 3, pairs = 1 + e;
     const double two = m->disks ? 1 : 2; /* 2^(d-2) */
     struct garzo_constants c;
     c.shear0 = m->mass * (m->disks ? 0.5 / (sqrt(PI) * m->diameter) : 5. / 16 / (sqrt(PI) * m->diameter * m->diameter));
@@ -126,7 +127,7 @@ static void garzo_state(const struct garzo_dufty *own, const struct closure_line
     const double *rho = cells->rho;
     const int n = cells->n;
     const double per = packing_per_density(m), low = larger(own->alpha_min / per, 1e-200);
-    const double high = packed_density(m);
+    const double high = packed_density(m, own->end > 0 ? own->end : EOS_PACKING);
     double clipped[BATCH];
     for (int i = 0; i < n; i++) {
         clipped[i] = smaller(larger(rho[i], low), high);
@@ -166,9 +167,10 @@ KERNEL static void garzo_crossing(int n, const struct garzo_constants *c, const 
     }
 }
 
-static void garzo_coefficients(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
-                               double *restrict shear, double *restrict heat) {
-    const struct garzo_constants c = garzo_constants_of(cells->material);
+/* Computes the coefficients with a second Sonine coefficient a2. */
+static void coefficients_of_sonine(double a2, const struct own_params *params, const struct closure_line *cells,
+                                   double *restrict bulk, double *restrict shear, double *restrict heat) {
+    const struct garzo_constants c = garzo_constants_of(cells->material, a2);
     struct garzo_dufty own;
     struct garzo_line l;
     memcpy(&own, params, sizeof own);
@@ -176,8 +178,20 @@ static void garzo_coefficients(const struct own_params *params, const struct clo
     garzo_viscosities(cells->n, &c, &l, cells->T, bulk, shear, heat);
 }
 
+static void garzo_coefficients(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
+                               double *restrict shear, double *restrict heat) {
+    coefficients_of_sonine(second_sonine(cells->material), params, cells, bulk, shear, heat);
+}
+
+/* The transport of extended kinetic theory (Jenkins & Berzi 2010; docs/physics.md 4.9): Garzo & Dufty's with a2 = 0,
+ * and no heat along grad rho. */
+static void jenkins_berzi(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
+                          double *restrict shear, double *restrict heat) {
+    coefficients_of_sonine(0, params, cells, bulk, shear, heat);
+}
+
 static void garzo_cross(const struct own_params *params, const struct closure_line *cells, double *restrict cross) {
-    const struct garzo_constants c = garzo_constants_of(cells->material);
+    const struct garzo_constants c = garzo_constants_of(cells->material, second_sonine(cells->material));
     struct garzo_dufty own;
     struct garzo_line l;
     memcpy(&own, params, sizeof own);
@@ -200,7 +214,7 @@ static void garzo_dilation(const struct own_params *params, const struct closure
     struct garzo_dufty own;
     memcpy(&own, params, sizeof own);
     const double per_contact = -3 * two / d * losses + (own.zeta_u == ZETA_FULL ? fourth : 0);
-    const double high = packed_density(m);
+    const double high = packed_density(m, EOS_PACKING);
     double clipped[BATCH], X[BATCH];
     for (int i = 0; i < n; i++) clipped[i] = smaller(cells->rho[i], high);
     cells->eos->contact(m, n, clipped, X);
@@ -214,16 +228,33 @@ static struct transport_terms garzo_terms(const struct own_params *params) {
         .cross = true, .dilation = own.zeta_u != ZETA_OFF, .diagonal = own.stress == 1, .thin = own.alpha_min};
 }
 
+static struct transport_terms jenkins_berzi_terms(const struct own_params *params) {
+    struct garzo_dufty own;
+    memcpy(&own, params, sizeof own);
+    return (struct transport_terms){.diagonal = own.stress == 1, .thin = own.alpha_min};
+}
+
 #define PARAM_STRUCT struct garzo_dufty
 static const char *const zeta_words[] = {"off", "geometric", "full", NULL};
 static const char *const stress_words[] = {"full", "diagonal", NULL};
+#define GARZO_RANGE                                                                                                    \
+    NUMBER("alphaMin", alpha_min, 1e-4, FROM_TO(0, 0.1), NO_UNIT,                                                      \
+           "packing fraction below which viscosity and conductivity fall with the density; 0: they do not"),           \
+        NUMBER("knudsenCut", knudsen, 0, FROM_TO(0, 1), NO_UNIT,                                                       \
+               "coefficients are multiplied by alpha/(alpha + knudsenCut); 0: they are not")
+#define GARZO_STRESS                                                                                                   \
+    CHOICE("stress", stress, 0, stress_words, "of all derivatives of u, or of those across faces alone (lattices)")
 static const struct param garzo_param[] = {
-    NUMBER("alphaMin", alpha_min, 1e-4, FROM_TO(0, 0.1), NO_UNIT,
-           "packing fraction below which viscosity and conductivity fall with the density; 0: they do not"),
-    NUMBER("knudsenCut", knudsen, 0, FROM_TO(0, 1), NO_UNIT,
-           "coefficients are multiplied by alpha/(alpha + knudsenCut); 0: they are not"),
+    GARZO_RANGE,
     CHOICE("zetaU", zeta_u, ZETA_OFF, zeta_words, "change of the cooling rate with div u: geometric part, or all"),
-    CHOICE("stress", stress, 0, stress_words, "of all derivatives of u, or of those across faces alone (lattices)"),
+    GARZO_STRESS,
+};
+static const struct param jenkins_berzi_param[] = {
+    GARZO_RANGE,
+    GARZO_STRESS,
+    NUMBER("packingEnd", end, EOS_PACKING, BETWEEN(0.9, 1), NO_UNIT,
+           "fraction of alphaMax above which coefficients go with the density; the closer to 1, the less flow at rest "
+           "creeps, and the more it costs"),
 };
 
 const struct transport transport_table[] = {
@@ -234,6 +265,10 @@ const struct transport transport_table[] = {
                 garzo_param),
      .valid = GRAINS_BOTH, .coefficients = garzo_coefficients, .terms = garzo_terms, .cross = garzo_cross,
      .dilation = garzo_dilation},
+    {MODEL_WITH("JenkinsBerzi",
+                "those of Garzo & Dufty without Sonine coefficient and heat along grad rho (Jenkins & Berzi 2010)",
+                jenkins_berzi_param),
+     .valid = GRAINS_BOTH, .coefficients = jenkins_berzi, .terms = jenkins_berzi_terms},
 };
 const int transport_count = sizeof transport_table / sizeof *transport_table;
 

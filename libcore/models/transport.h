@@ -9,11 +9,6 @@
 
 #include "libcore/models/closure.h"
 
-enum grains_shape { GRAINS_DISKS = 1, GRAINS_SPHERES = 2, GRAINS_BOTH = GRAINS_DISKS | GRAINS_SPHERES };
-static inline enum grains_shape shape_of(const struct material *m) {
-    return m->disks ? GRAINS_DISKS : GRAINS_SPHERES;
-}
-
 struct transport_terms {  /* terms of a law besides stress and q = -heat grad T */
     bool cross, dilation; /* has the law these coefficients? */
     bool diagonal;        /* is the stress on a face made by derivatives across it alone? On lattices only */

@@ -140,8 +140,12 @@ static void cell_coefficients(struct gas *g, const double *rho) {
         for (int i = 0; i < n && g->diffusion.ahead; i++) T[i] *= g->diffusion.warm[0][at + i];
         for (int i = 0; i < n && !g->diffusion.ahead; i++) g->diffusion.warm[0][at + i] = T[i];
         const struct gas_models *models = &g->models;
-        const struct closure_line cells = {
-            models->eos, &models->material, n, rho + at, T, shear_rate_at(g, models->transport->needs, 0, at)};
+        const struct closure_line cells = {.eos = models->eos,
+                                           .material = &models->material,
+                                           .n = n,
+                                           .rho = rho + at,
+                                           .T = T,
+                                           .shear_rate = shear_rate_at(g, models->transport->needs, 0, at)};
         transport_row(g, &cells, d->cell[0] + at, d->cell[1] + at, d->cell[2] + at);
         if (g->diffusion.dilation)
             models->transport->dilation(&models->transport_params, &cells, g->diffusion.dilation[0] + at);

@@ -16,8 +16,12 @@ void cells_cross_coefficients(struct gas *g, const double *rho) {
     const int size = g->cells->polyhedra->size;
     for (int at = 0; at < size; at += BATCH) {
         const int n = size - at < BATCH ? size - at : BATCH;
-        const struct closure_line cells = {m->eos,   &m->material, n,
-                                           rho + at, d->T + at,    shear_rate_at(g, m->transport->needs, 0, at)};
+        const struct closure_line cells = {.eos = m->eos,
+                                           .material = &m->material,
+                                           .n = n,
+                                           .rho = rho + at,
+                                           .T = d->T + at,
+                                           .shear_rate = shear_rate_at(g, m->transport->needs, 0, at)};
         m->transport->cross(&m->transport_params, &cells, d->start[0] + at);
     }
 }

@@ -238,6 +238,7 @@ status case_read(const char *dir, const struct medium_type *type, struct case_re
     *out = NULL;
     TRY(allocate(&s, 1, sizeof *s, "case"));
     s->comm = c;
+    s->ranks = how.ranks > 1 ? how.ranks : 1;
     s->warnings = (struct warnings){.strict = how.strict, .silent = !comm_root(c), .cures = how.cures};
     snprintf(s->dir, sizeof s->dir, "%s", dir);
     set_name(s);

@@ -16,6 +16,7 @@ struct setup_file { /* one dictionary of the case */
 };
 struct setup { /* the same on every rank, but for the grid */
     const struct comm *comm;
+    int ranks; /* of a program that the medium starts */
     char dir[TIME_PATH];
     struct folder_mark mark; /* of that folder */
     char name[256];          /* name of the folder, for file names */
@@ -49,6 +50,7 @@ struct case_reading {
     bool strict;         /* are warnings errors? */
     bool afresh;         /* does the run start from 0.orig, whatever startFrom says? */
     struct cures *cures; /* gets those of the warnings; NULL: nobody asks */
+    int ranks;           /* of a program that the medium starts (medium_type.starts); 0: one */
 };
 /* Reads and checks the case in `dir` for a type of medium, and the state it starts from. Collective. */
 status case_read(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c,

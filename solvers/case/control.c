@@ -26,7 +26,7 @@ static const char *const zips[] = {"off", "on", "no", "yes",          "false",  
 
 #define PARAM_STRUCT struct control
 const struct param control_table[] = {
-    NOTED("application", "word: granularGas, granularMD, granularSegregation", "the program that runs",
+    NOTED("application", "word: granularGas, granularMD, granularDEM, granularSegregation", "the program that runs",
           "whose case it is: the others refuse it", "application granularGas;"),
     NOTED("haffVersion", "version: 0.2, 0.2.0", "none: as these programs",
           "version of haff that the case was written for: a newer one is refused, and where an entry that is left out "
@@ -187,10 +187,10 @@ static status together(struct dict *d, const struct control *c) {
 /* Fails if controlDict names another of our solvers: that one word turns a case of gas into one of grains, but no
  * solver can restart from the folders of another. */
 static status check_application(struct dict *d, const char *application) {
-    static const char *const ours[] = {"granularGas", "granularMD", "granularSegregation"};
+    static const char *const ours[] = {"granularGas", "granularMD", "granularDEM", "granularSegregation"};
     int i;
     if (!dict_has(d, "application")) return OK;
-    TRY(dict_choice(d, "application", ours, 3, &i));
+    TRY(dict_choice(d, "application", ours, 4, &i));
     if (!strcmp(ours[i], application)) return OK;
     return dict_fail(d, "application", "this is %s: write  application %s;  there, or run %s", application, application,
                      ours[i]);

@@ -74,6 +74,7 @@ struct medium_type {
     struct offered fields;                /* of every case; a medium may have more */
     int axial;         /* the quantity that is a curl, which has three components whatever moves; 0: there is none */
     bool whole;        /* does it read arrays of all cells and faces of the mesh (setup_complete)? */
+    bool starts;       /* does -np N go to a program that it starts? It then runs on one rank itself */
     bool slabs;        /* are its cells dealt to the ranks by itself, and not as the grid's blocks are? */
     bool event_driven; /* a step is no sweep over the cells: no Courant number, no steps per second */
 
@@ -154,6 +155,6 @@ struct medium { /* the first member of each medium's own struct */
     bool (*asked)(void); /* has this rank been asked to end the run? NULL: nobody asks */
 };
 
-extern const struct medium_type gas_medium, segregation_medium, grains_medium;
+extern const struct medium_type gas_medium, segregation_medium, grains_medium, dem_medium;
 
 #endif

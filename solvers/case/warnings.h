@@ -39,6 +39,10 @@ enum warning {
     WARN_MANY_STEPS,
     WARN_NOTHING_WRITTEN,
     WARN_MANY_WRITES,
+    WARN_LONG_CONTACT_STEP,
+    WARN_SOFT_GRAINS,
+    WARN_SOFT_THRESHOLD,
+    WARN_NO_LAMMPS,
     WARNINGS
 };
 extern const char *const warning_names[WARNINGS];

@@ -86,17 +86,24 @@ static status eos_suits(struct dict *d, void *base) {
     return OK;
 }
 static status eos_holds(struct dict *d, void *base) {
-    const struct gas_models *m = &((struct case_models *)base)->gas;
+    struct gas_models *m = &((struct case_models *)base)->gas;
+    if (m->eos->packing && m->material.alpha_max == 0) m->material.alpha_max = m->eos->packing(m->material.friction);
     const char *objection = eos_objection(m->eos, &m->material);
     return objection ? dict_fail(d, "equationOfState", "%s", objection) : OK;
 }
 
 static status cooling_suits(struct dict *d, void *base) {
     const struct case_models *m = base;
-    if (dict_has(d, "cooling") || m->gas.material.restitution >= 1) return OK;
+    const struct material *grains = &m->gas.material;
+    const struct cooling *law = m->source.cooling;
+    if (law && !(law->valid & shape_of(grains)))
+        return dict_fail(d, "cooling", "%s is for %s, equationOfState %s for %s", law->model.name,
+                         grains->disks ? "spheres" : "disks", m->gas.eos->model.name,
+                         grains->disks ? "disks" : "spheres");
+    if (dict_has(d, "cooling") || effective_restitution(grains) >= 1) return OK;
     return fail(ERR_INPUT,
                 "%s: keyword 'cooling' is missing; with restitution %g say  cooling Haff;  or  cooling none;",
-                dict_path(d), m->gas.material.restitution);
+                dict_path(d), effective_restitution(grains));
 }
 
 /* Is the source chosen by name? A source that has an entry of its own is not. */

@@ -77,13 +77,18 @@ static void close_window(struct averages *a) {
     a->mark.whole = 1;
 }
 
-void averages_take(struct averages *a, const struct grains *g) {
-    if (a->mark.taken == a->mark.samples) {
-        close_window(a);
-        return;
+/* Closes the window if all its samples are there. */
+static bool at_end(struct averages *a) {
+    if (a->mark.taken < a->mark.samples) {
+        a->mark.taken++;
+        return false;
     }
-    sample(a, 0, g);
-    a->mark.taken++;
+    close_window(a);
+    return true;
+}
+
+void averages_take(struct averages *a, const struct grains *g) {
+    if (!at_end(a)) sample(a, 0, g);
 }
 
 void averages_value(struct averages *a, const struct grains *g, enum coarse_field f, double *const out[3]) {
@@ -93,6 +98,26 @@ void averages_value(struct averages *a, const struct grains *g, enum coarse_fiel
         a->moment = grains_time(g);
     }
     coarse_value(a->sum[1], a->mark.complete ? a->mark.window : 0, f, out);
+}
+
+static void sample_soft(struct averages *a, int which, const struct averages_moment *now) {
+    struct grain_observer *o = coarse_observer(a->sum[which]);
+    coarse_sample(a->sum[which], now->n, now->x, now->u);
+    for (long i = 0; i < now->ncontacts; i++) o->impact(o, &now->contact[i]);
+}
+
+void averages_take_soft(struct averages *a, const struct averages_moment *now) {
+    if (!at_end(a)) sample_soft(a, 0, now);
+}
+
+void averages_value_soft(struct averages *a, const struct averages_moment *now, enum coarse_field f,
+                         double *const out[3]) {
+    if (!a->mark.complete && a->moment != now->t) {
+        coarse_clear(a->sum[1]);
+        sample_soft(a, 1, now);
+        a->moment = now->t;
+    }
+    coarse_value(a->sum[1], a->mark.complete ? a->mark.samples : 1, f, out);
 }
 
 struct averages_mark *averages_mark(struct averages *a) {

@@ -28,6 +28,18 @@ void averages_take(struct averages *a, const struct grains *g); /* samples the g
 /* Computes a field: out[k][cells], component k of a vector (else k = 0). */
 void averages_value(struct averages *a, const struct grains *g, enum coarse_field f, double *const out[3]);
 
+struct averages_moment { /* soft grains at the time t; their contacts as impacts whose impulse is the force (N) */
+    double t;
+    int n;
+    const double (*x)[3], (*u)[3];
+    long ncontacts;
+    const struct grain_impact *contact;
+};
+/* The same of soft grains, whose stress is a mean over the samples. */
+void averages_take_soft(struct averages *a, const struct averages_moment *now);
+void averages_value_soft(struct averages *a, const struct averages_moment *now, enum coarse_field f,
+                         double *const out[3]);
+
 struct averages_mark *averages_mark(struct averages *a);
 /* Returns the sums of the running window (which = 0) or the last complete one (1), *n doubles. */
 double *averages_sums(struct averages *a, int which, long *n);

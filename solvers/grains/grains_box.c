@@ -28,11 +28,11 @@ status grains_box_check(const struct setup *s) {
     return OK;
 }
 
-static status check_wall(const struct setup *s, const struct field *U, int p, int axis) {
+static status check_wall(const struct setup *s, const struct grains_models *m, const struct field *U, int p, int axis) {
     const struct patch_field *q = &U->patch[p];
     const char *patch = s->mesh->patch[p].name, *file = dict_path(U->dict);
     const struct boundary_type *type = boundary_find(q->type);
-    if (boundary_is_smooth(type)) return OK;
+    if (boundary_is_smooth(type) || (m->soft && boundary_is_wall(type))) return OK;
     if (boundary_is_wall(type))
         return fail(ERR_INPUT, "%s:%d: patch %s: type is %s; walls of grains are smooth: use  slip;", file, q->line,
                     patch, q->type);
@@ -57,7 +57,7 @@ static status add_face(const struct setup *s, const struct grains_models *m, con
                        struct box_side *side) {
     const int p = patch_of(s->mesh, face);
     if (p == side->first) return OK;
-    TRY(check_wall(s, U, p, axis));
+    TRY(check_wall(s, m, U, p, axis));
     if (side->first < 0) {
         *side = (struct box_side){p, m->restitution[p]};
         return OK;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Hard disks or spheres as a medium (medium.h) of granularMD. Its state are grains that move by events
  * (libcore/grains/grains.h); the fields it writes are means over them. */
+#include "solvers/grains/grains_medium.h"
+
 #include "solvers/gas/scales.h"
 #include "solvers/grains/grains_averages.h"
 #include "solvers/grains/grains_box.h"
@@ -44,7 +46,7 @@ static struct grains_run *of(const struct medium *m) {
 }
 
 enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, QUANTITIES };
-static const struct quantity quantities[] = {
+const struct quantity grains_quantity[] = {
     [RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false},
     [ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
     [VELOCITY] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},
@@ -52,13 +54,12 @@ static const struct quantity quantities[] = {
     [PRESSURE] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
     [COMPONENTS] = {"TComponents", 3, {0, 2, -2, 0, 0, 0, 0}, false},
 };
-static const enum coarse_field coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES};
+const enum coarse_field grains_coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES};
 static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P, FIELD_T};
-static const int written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, -1};
+const int grains_written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, -1};
 
-/* Returns how many components of a quantity lie along solved axes. */
-static int components(const struct setup *s, int quantity) {
-    return quantities[quantity].components == 3 ? s->dim : 1;
+int grains_components(const struct setup *s, int quantity) {
+    return grains_quantity[quantity].components == 3 ? s->dim : 1;
 }
 
 static status medium_check_control(const struct medium *m, const struct control *c) {
@@ -77,7 +78,7 @@ static status medium_read(struct setup *s) {
                     "granularMD runs on one rank, not on %d: leave out -np or mpirun; several cases may run "
                     "side by side",
                     comm_size(s->comm));
-    TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, &x->models));
+    TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, false, &x->models));
     const struct grains_models *m = x->models;
     s->file[s->nfiles++] = (struct setup_file){"constant", "granularProperties", m->granular};
     s->file[s->nfiles++] = (struct setup_file){"constant", "particleProperties", m->properties};
@@ -95,8 +96,7 @@ static struct grain_law law_of(const struct grains_models *m) {
                               .gravity = {g[0], g[1], g[2]}};
 }
 
-/* Warns if the case's gas has grains of another shape than the mesh gives those that move here. */
-static status check_shape(struct setup *s, const struct grains_models *m) {
+status grains_check_shape(struct setup *s, const struct grains_models *m) {
     const char *name;
     TRY(dict_word_or(m->granular, "equationOfState", "", &name));
     const struct eos *eos = eos_find(name);
@@ -131,27 +131,24 @@ static status medium_state(struct setup *s) {
     struct grains_run *x = of(s->medium);
     char path[2 * TIME_PATH];
     TRY(grains_box_check(s));
-    TRY(check_shape(s, x->models));
+    TRY(grains_check_shape(s, x->models));
     snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.folder);
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, x->models, saved, &x->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
-    TRY(grains_start_check(s, &x->start));
+    TRY(grains_start_check(s, x->models, &x->start));
     TRY(check_scales(s, x));
     if (saved) TRY(grains_state_read(path, &x->saved));
     x->law = law_of(x->models);
     return setup_grid(s, false, 1);
 }
 
-static struct coarse_grid grid_of(const struct grains_run *x) {
-    const struct lattice *l = x->base.setup->lattice;
-    struct coarse_grid g = {.dim = l->dim,
-                            .kernel = x->models->kernel,
-                            .width = x->models->width,
-                            .mass = x->law.mass,
-                            .diameter = x->law.diameter};
+struct coarse_grid grains_grid(const struct setup *s, const struct grains_models *m) {
+    const struct lattice *l = s->lattice;
+    struct coarse_grid g = {
+        .dim = l->dim, .kernel = m->kernel, .width = m->width, .mass = m->grain.mass, .diameter = m->grain.diameter};
     for (int k = 0; k < 3; k++) {
         g.n[k] = l->n[k];
         g.low[k] = k < l->dim ? l->origin[k] : 0;
@@ -171,7 +168,7 @@ static status resume(struct grains_run *x) {
     const struct grains_state *s = &x->saved;
     struct grains *old = NULL;
     double(*at)[3] = NULL, (*u)[3] = NULL;
-    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts};
+    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, NULL};
     TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
                     x->base.setup->start.name));
     x->changed = !grains_state_same(s, &x->box, &x->law);
@@ -204,7 +201,8 @@ static status place(struct grains_run *x) {
     }
     free(p->x);
     free(p->u);
-    p->x = p->u = NULL;
+    free(p->spin);
+    p->x = p->u = p->spin = NULL;
     TRY(e);
     x->energy = energy_now(x);
     return OK;
@@ -214,7 +212,7 @@ static status place(struct grains_run *x) {
 static status make_averages(struct grains_run *x) {
     const struct grains_models *m = x->models;
     const struct grains_state *s = &x->saved;
-    const struct coarse_grid grid = grid_of(x);
+    const struct coarse_grid grid = grains_grid(x->base.setup, x->models);
     double numbers[16];
     long n;
     TRY(status_note(
@@ -240,7 +238,7 @@ static status make_values(struct grains_run *x) {
     for (int i = 0; i < cells; i++) x->place[s->lattice->cell[i]] = i;
     for (int f = 0; f < QUANTITIES; f++) {
         x->valued[f] = NAN;
-        for (int k = 0; k < components(s, f); k++)
+        for (int k = 0; k < grains_components(s, f); k++)
             TRY(pool_take(&x->pool, &x->value[f][k], cells, sizeof(double), "fields"));
     }
     return OK;
@@ -459,7 +457,8 @@ static status medium_finish(struct medium *m, FILE *f) {
 
 static double *const *values_now(struct grains_run *x, int quantity) {
     const double t = grains_time(x->grains);
-    if (x->valued[quantity] != t) averages_value(x->averages, x->grains, coarse_of[quantity], x->value[quantity]);
+    if (x->valued[quantity] != t)
+        averages_value(x->averages, x->grains, grains_coarse_of[quantity], x->value[quantity]);
     x->valued[quantity] = t;
     return x->value[quantity];
 }
@@ -467,13 +466,17 @@ static double *const *values_now(struct grains_run *x, int quantity) {
 static void medium_block(const struct medium *m, int block, int quantity, double *const out[3]) {
     const struct grid_block *b = &m->setup->grid->block[block];
     double *const *value = values_now(of(m), quantity);
-    for (int k = 0; k < components(m->setup, quantity); k++)
+    for (int k = 0; k < grains_components(m->setup, quantity); k++)
         for (int i = 0; i < b->ncells; i++) out[k][i] = value[k][of(m)->place[b->cell[i]]];
 }
 
-static const struct patch_field *medium_patch(const struct medium *m, int quantity, int patch) {
-    const struct field *f = of(m)->start.field[file_of[quantity]];
+const struct patch_field *grains_patch(const struct grains_start *start, int quantity, int patch) {
+    const struct field *f = start->field[file_of[quantity]];
     return f && strcmp(f->patch[patch].type, "calculated") != 0 ? &f->patch[patch] : NULL;
+}
+
+static const struct patch_field *medium_patch(const struct medium *m, int quantity, int patch) {
+    return grains_patch(&of(m)->start, quantity, patch);
 }
 
 static status medium_cloud(const struct medium *m, struct cloud *out) {
@@ -499,7 +502,7 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
 static status medium_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
     const struct grains_run *x = of(m);
     const struct grains *g = x->grains;
-    const struct coarse_grid grid = grid_of(x);
+    const struct coarse_grid grid = grains_grid(x->base.setup, x->models);
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct grains_state s = {.box = x->box,
                              .law = x->law,
@@ -544,7 +547,7 @@ const struct medium_type grains_medium = {
     .list_models = grains_models_list,
     .list_boundaries = grains_boundaries_list,
     .keywords = grains_models_keywords,
-    .fields = {quantities, QUANTITIES, written, written},
+    .fields = {grains_quantity, QUANTITIES, grains_written, grains_written},
     .event_driven = true,
     .whole = true,
     .read = medium_read,

@@ -6,6 +6,7 @@
 #include "solvers/case/fields.h"
 #include "solvers/dict/params.h"
 #include "solvers/gas/layers.h"
+#include "solvers/grains/grains_contact.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,6 +26,9 @@ static const struct param grains_param[] = {
     NOTED("coarseGraining", "dictionary", "none", "how fields come from grains",
           "coarseGraining { kernel Heaviside; width 2e-3; }"),
 };
+static const struct param hard_param[] = {
+    IGNORED("contact", "for granularDEM: the forces of soft grains"),
+};
 static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian", NULL};
 static const struct param coarse_param[] = {
     CHOICE("kernel", kernel, 0, kernel_names, "what a mean is taken over"),
@@ -36,7 +40,7 @@ static const struct param coarse_param[] = {
 };
 #undef PARAM_STRUCT
 struct wall {
-    double restitution;
+    double restitution, friction;
 };
 #define PARAM_STRUCT struct wall
 static const struct param granular_param[] = {
@@ -45,6 +49,13 @@ static const struct param granular_param[] = {
 };
 static const struct param wall_param[] = {
     NUMBER("restitution", restitution, 1, FROM_TO(0, 1), NO_UNIT, "of impacts on that patch"),
+    IGNORED("friction", "for granularDEM: hard grains are smooth"),
+};
+static const struct param soft_wall_param[] = {
+    NUMBER("restitution", restitution, USUALLY(-1, "that of two grains"), FROM_TO(0, 1), NO_UNIT,
+           "of impacts on that patch"),
+    NUMBER("friction", friction, USUALLY(-1, "that of two grains; 0 where U slips"), FROM_TO(0, 1e3), NO_UNIT,
+           "Coulomb's coefficient on that patch"),
 };
 static const char *const kernel_about[] = {"means over the cells of the mesh (default)", "over a ball around a centre",
                                            "over a normal distribution around a centre, cut at 3 width"};
@@ -56,7 +67,7 @@ static status refuse_sources(struct dict *d) {
     if (dict_has(d, "sources")) TRY(dict_words(d, "sources", &n, &names));
     if (n == 0) return OK;
     return dict_fail(d, "sources",
-                     "granularMD knows constant/g and constant/shaking alone; say  sources ();  for a run without %s",
+                     "grains know constant/g and constant/shaking alone; say  sources ();  for a run without %s",
                      names[0]);
 }
 
@@ -65,6 +76,7 @@ static status read_granular(struct dict *d, struct grains_models *m) {
     TRY(dict_sub(d, "grain", &sub));
     TRY(params_read(sub, grain_param, grain_nparam, &m->grain));
     if (!(m->grain.diameter > 0)) return dict_fail(sub, "diameter", "hard grains need one greater than 0");
+    if (m->grain.friction > 0) return dict_fail(sub, "friction", "hard grains do not rub: say  friction 0;");
     TRY(refuse_sources(d));
     TRY(models_leave(d));
     return dict_check_used(d);
@@ -72,11 +84,13 @@ static status read_granular(struct dict *d, struct grains_models *m) {
 
 static status read_walls(struct dict *d, const struct polymesh *mesh, struct grains_models *m) {
     struct dict *walls, *one;
-    struct wall wall;
+    struct wall wall = {.friction = 0};
+    const struct param *table = m->soft ? soft_wall_param : wall_param;
     TRY(dict_sub_optional(d, "walls", &walls));
     for (int p = 0; p < mesh->npatches; p++) {
         const struct patch *patch = &mesh->patch[p];
-        m->restitution[p] = 1;
+        m->restitution[p] = m->soft ? -1 : 1;
+        m->friction[p] = -1;
         one = NULL;
         if (walls) TRY(dict_sub_optional(walls, patch->name, &one));
         if (!one) continue;
@@ -84,8 +98,9 @@ static status read_walls(struct dict *d, const struct polymesh *mesh, struct gra
         if (!strcmp(patch->type, "cyclic") || !strcmp(patch->type, "empty"))
             return fail(ERR_INPUT, "%s:%d: walls: patch %s is of type %s in %s: it is no wall", dict_path(d),
                         m->restitution_line[p], patch->name, patch->type, polymesh_boundary_file(mesh));
-        TRY(params_read(one, wall_param, COUNT(wall_param), &wall));
+        TRY(params_read(one, table, COUNT(wall_param), &wall));
         m->restitution[p] = wall.restitution;
+        m->friction[p] = wall.friction;
     }
     return OK;
 }
@@ -94,6 +109,10 @@ static status read_properties(struct dict *d, const struct polymesh *mesh, const
                               struct grains_models *m) {
     struct dict *coarse = NULL, *none = NULL;
     TRY(params_read(d, grains_param, COUNT(grains_param), m));
+    if (m->soft)
+        TRY(grains_contact_read(d, m));
+    else
+        TRY(params_read(d, hard_param, COUNT(hard_param), m));
     TRY(read_walls(d, mesh, m));
     TRY(dict_sub_optional(d, "coarseGraining", &coarse));
     if (!coarse) TRY(dict_from_text("coarseGraining", "", &none));
@@ -112,6 +131,7 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
     struct dict *none = NULL;
     TRY(allocate(&m->restitution, mesh->npatches, sizeof(double), "walls"));
     TRY(allocate(&m->restitution_line, mesh->npatches, sizeof(int), "walls"));
+    TRY(allocate(&m->friction, mesh->npatches, sizeof(double), "walls"));
     snprintf(path, sizeof path, "%s/constant/granularProperties", dir);
     TRY(dict_read(path, &m->granular));
     TRY(read_granular(m->granular, m));
@@ -125,10 +145,11 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
 }
 
 status grains_models_read(const char *case_dir, const struct polymesh *mesh, int dim, const int axis[3],
-                          const struct control *control, struct grains_models **out) {
+                          const struct control *control, bool soft, struct grains_models **out) {
     struct grains_models *m = NULL;
     *out = NULL;
     TRY(allocate(&m, 1, sizeof *m, "models"));
+    m->soft = soft;
     status s = read_all(case_dir, mesh, dim, axis, control, m);
     if (s) {
         grains_models_free(m);
@@ -145,6 +166,7 @@ void grains_models_free(struct grains_models *m) {
     dict_free(m->properties);
     free(m->restitution);
     free(m->restitution_line);
+    free(m->friction);
     free(m);
 }
 
@@ -152,17 +174,25 @@ const char *grains_kernel_name(const struct grains_models *m) {
     return kernel_names[m->kernel];
 }
 
-void grains_models_list(FILE *f) {
+static void list(FILE *f, bool soft) {
     fprintf(f, "constant/granularProperties (the rest of it is the gas's)\n\ngrain { }\n");
     params_print(f, grain_param, grain_nparam);
     forces_list(f);
     fprintf(f, "\nconstant/particleProperties (may be missing)\n");
     params_print(f, grains_param, COUNT(grains_param));
+    if (soft) grains_contact_list(f);
     fprintf(f, "\nwalls { <patch> { } }\n");
-    params_print(f, wall_param, COUNT(wall_param));
+    params_print(f, soft ? soft_wall_param : wall_param, COUNT(wall_param));
     fprintf(f, "\ncoarseGraining { }: the fields of written times\n");
     params_print(f, coarse_param, COUNT(coarse_param));
     for (int i = 0; kernel_names[i]; i++) fprintf(f, "  kernel %-13s %s\n", kernel_names[i], kernel_about[i]);
+}
+
+void grains_models_list(FILE *f) {
+    list(f, false);
+}
+void grains_models_list_soft(FILE *f) {
+    list(f, true);
 }
 
 /* Is the boundary condition allowed for grains: for U a smooth wall, for scalars one that such a wall has? */
@@ -170,7 +200,12 @@ static bool is_offered(const struct boundary_type *b) {
     return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient") || !strcmp(b->model.name, "granularWall");
 }
 
-void grains_models_keywords(struct keywords *k) {
+/* The same for soft grains, whose walls may be rough. */
+static bool is_offered_soft(const struct boundary_type *b) {
+    return boundary_is_wall(b) || is_offered(b);
+}
+
+static void keywords(struct keywords *k, bool soft) {
     static const char properties[] = "constant/particleProperties";
     keywords_at(k, "constant/granularProperties", "", NULL);
     keywords_params(k, granular_param, COUNT(granular_param));
@@ -179,14 +214,25 @@ void grains_models_keywords(struct keywords *k) {
     forces_keywords(k);
     keywords_at(k, properties, "", NULL);
     keywords_params(k, grains_param, COUNT(grains_param));
+    if (soft)
+        grains_contact_keywords(k, properties);
+    else
+        keywords_params(k, hard_param, COUNT(hard_param));
     keywords_at(k, properties, "walls/PATCH", NULL);
-    keywords_params(k, wall_param, COUNT(wall_param));
+    keywords_params(k, soft ? soft_wall_param : wall_param, COUNT(wall_param));
     keywords_at(k, properties, "coarseGraining", NULL);
     keywords_params(k, coarse_param, 1);
     keywords_words(k, "kernel", kernel_names, kernel_about);
     keywords_params(k, coarse_param + 1, COUNT(coarse_param) - 1);
-    fields_keywords(k, FIELD_FILES, is_offered);
+    fields_keywords(k, FIELD_FILES, soft ? is_offered_soft : is_offered);
     layers_keywords(k);
+}
+
+void grains_models_keywords(struct keywords *k) {
+    keywords(k, false);
+}
+void grains_models_keywords_soft(struct keywords *k) {
+    keywords(k, true);
 }
 
 void grains_boundaries_list(FILE *f) {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The choices in the dictionaries of granularMD: `grain` of constant/granularProperties, which a gas shares, constant/g
- * and shaking, and constant/particleProperties, which may be missing: every key has a default. */
+/* The choices in the dictionaries of granularMD and granularDEM: `grain` of constant/granularProperties, which a gas
+ * shares, constant/g and shaking, and constant/particleProperties, which may be missing: every key has a default. */
 #ifndef SOLVERS_GRAINS_MODELS_H
 #define SOLVERS_GRAINS_MODELS_H
 
 #include "libcore/grains/coarse.h"
+#include "libcore/grains/contact.h"
 #include "mesh/format/polymesh.h"
 #include "solvers/case/control.h"
 #include "solvers/gas/models.h"
@@ -20,13 +21,19 @@ struct grains_models {
     int samples;           /* moments in a window */
     double *restitution;   /* [npatches] of impacts on each wall */
     int *restitution_line; /* [npatches] in constant/particleProperties; 0: not given */
+    bool soft;             /* are the grains soft? Then the rest counts; restitution < 0: that of two grains */
+    double *friction;      /* [npatches]; < 0: that of two grains, or 0 where U slips */
+    struct soft_contact contact;
+    double speed, fraction; /* m/s, -: impactSpeed (0: it is estimated), timeStepFraction */
 };
-/* Reads the models; the write interval of `control` is the default of the window. */
+/* Reads the models of hard or soft grains; the write interval of `control` is the default of the window. */
 status grains_models_read(const char *case_dir, const struct polymesh *mesh, int dim, const int axis[3],
-                          const struct control *control, struct grains_models **out);
+                          const struct control *control, bool soft, struct grains_models **out);
 void grains_models_free(struct grains_models *m);
 void grains_models_list(FILE *f);
-void grains_models_keywords(struct keywords *k); /* goes through all that a run of grains reads */
+void grains_models_keywords(struct keywords *k); /* goes through all that a run of hard grains reads */
+void grains_models_list_soft(FILE *f);           /* the same of soft grains */
+void grains_models_keywords_soft(struct keywords *k);
 void grains_boundaries_list(FILE *f);
 void grains_models_print(FILE *f, const struct grains_models *m);
 const char *grains_kernel_name(const struct grains_models *m);

@@ -120,13 +120,14 @@ status grains_start_read(const struct setup *s, const struct grains_models *m, b
     return take(s, p->field[FIELD_T], 0, 1, &p->T);
 }
 
-status grains_start_check(const struct setup *s, const struct grains_start *p) {
+status grains_start_check(const struct setup *s, const struct grains_models *m, const struct grains_start *p) {
     const struct polymesh *mesh = s->mesh;
     for (int k = 0; k < mesh->npatches; k++) {
         const struct boundary_type *wall = boundary_find(p->field[FIELD_U]->patch[k].type);
         for (int i = 0; i < FIELD_COUNT; i++) {
             const struct field *f = i == FIELD_U ? NULL : p->field[i];
             const struct boundary_type *type = f ? boundary_find(f->patch[k].type) : NULL;
+            if (m->soft && boundary_is_wall(type)) continue; /* its restitution counts */
             if (boundary_is_wall(wall) && boundary_gives(type) && type != boundary_find("granularWall"))
                 return fail(ERR_INPUT,
                             "%s:%d: patch %s: U is '%s', a wall; walls of grains are smooth and give no heat: %s "
@@ -138,12 +139,23 @@ status grains_start_check(const struct setup *s, const struct grains_start *p) {
     return OK;
 }
 
+/* Returns the restitution that T gives on a patch: granularWall and, of soft grains, JohnsonJacksonSlip; NULL: none. */
+static const double *restitution_of(const struct grains_models *m, const struct patch_field *q) {
+    const struct boundary_type *type = boundary_find(q->type);
+    const char *key = type == boundary_find("granularWall")                    ? "restitution"
+                      : m->soft && type == boundary_find("JohnsonJacksonSlip") ? "restitutionCoefficient"
+                                                                               : "";
+    for (int i = 0; *key && i < type->model.nparam; i++)
+        if (!strcmp(type->model.param[i].name, key))
+            return q->params.room + type->model.param[i].offset / sizeof(double);
+    return NULL;
+}
+
 status grains_start_walls(const struct grains_start *p, const struct polymesh *mesh, struct grains_models *m) {
-    const struct boundary_type *absorbing = boundary_find("granularWall");
     const struct field *T = p->field[FIELD_T];
     for (int k = 0; T && k < mesh->npatches; k++) {
-        const double e = T->patch[k].params.room[0];
-        if (boundary_find(T->patch[k].type) != absorbing) continue;
+        const double *given = restitution_of(m, &T->patch[k]), e = given ? *given : 0;
+        if (!given) continue;
         if (m->restitution_line[k] && m->restitution[k] != e)
             return fail(ERR_INPUT,
                         "%s:%d: patch %s: restitution is %g here, and %g in line %d of constant/particleProperties; "
@@ -191,6 +203,9 @@ static status take_cloud(const struct setup *s, const struct grains_models *m, c
                          s->start.folder, c->n);
     TRY(make_room(out, c->n));
     out->from_cloud = true;
+    if (c->spin) TRY(allocate(&out->spin, c->n, sizeof *out->spin, "spins of grains"));
+    for (int i = 0; c->spin && i < c->n; i++)
+        for (int k = 0; k < 3; k++) out->spin[i][k] = c->spin[i][s->axis[k]];
     for (int i = 0; i < c->n; i++)
         for (int k = 0; k < s->dim; k++) {
             out->x[i][k] = c->x[i][s->axis[k]];

@@ -14,21 +14,23 @@ struct grains_start {
 };
 /* Reads the fields. saved: the grains' own state is there, so that only the patches count. */
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *out);
-/* Takes the restitution of walls from T, where it is granularWall; fails if particleProperties says another. */
+/* Takes the restitution of walls from T, where it is granularWall or, of soft grains, JohnsonJacksonSlip; fails if
+ * particleProperties says another. */
 status grains_start_walls(const struct grains_start *p, const struct polymesh *mesh, struct grains_models *m);
 /* Fails if a scalar has another value on a wall. */
-status grains_start_check(const struct setup *s, const struct grains_start *p);
+status grains_start_check(const struct setup *s, const struct grains_models *m, const struct grains_start *p);
 void grains_start_free(struct grains_start *p);
 void grains_start_drop(struct grains_start *p); /* frees all but the patches */
 
 struct grain_start {
     int n;
     double (*x)[3], (*u)[3]; /* [n] m, m/s, along computational axes */
+    double (*spin)[3];       /* [n] 1/s, if the cloud gives them; else NULL */
     struct packing_report packing;
     bool from_cloud;
 };
-/* Makes the start from lagrangian/grains of the time folder or, without it, from the fields. The caller frees x and u,
- * also after an error. */
+/* Makes the start from lagrangian/grains of the time folder or, without it, from the fields. The caller frees x, u and
+ * spin, also after an error. */
 status grain_start_make(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
                         const struct grains_start *fields, struct grain_start *out);
 

@@ -3,6 +3,8 @@
  * (grains_state.h). */
 #include "solvers/grains/grains_state.h"
 
+#include "solvers/grains/bytes.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -117,23 +119,11 @@ status grains_state_write(const struct grains_state *s, const char *path, const 
     return sink_close_sum(o, sum);
 }
 
-struct bytes {
-    const char *at;
-    size_t left;
-};
-static bool take(struct bytes *b, void *out, size_t bytes) {
-    if (bytes > b->left) return false;
-    memcpy(out, b->at, bytes);
-    b->at += bytes;
-    b->left -= bytes;
-    return true;
-}
-
 static bool take_numbers(struct bytes *b, struct grains_state *s) {
     double box[BOX], law[LAW];
-    if (!take(b, box, sizeof box) || !take(b, law, sizeof law) || !take(b, &s->t, sizeof s->t) ||
-        !take(b, &s->energy, sizeof s->energy) || !take(b, &s->counts, sizeof s->counts) ||
-        !take(b, &s->mark, sizeof s->mark) || !take(b, s->grid, sizeof s->grid))
+    if (!bytes_take(b, box, sizeof box) || !bytes_take(b, law, sizeof law) || !bytes_take(b, &s->t, sizeof s->t) ||
+        !bytes_take(b, &s->energy, sizeof s->energy) || !bytes_take(b, &s->counts, sizeof s->counts) ||
+        !bytes_take(b, &s->mark, sizeof s->mark) || !bytes_take(b, s->grid, sizeof s->grid))
         return false;
     numbers_box(box, &s->box);
     numbers_law(law, &s->law);
@@ -142,9 +132,9 @@ static bool take_numbers(struct bytes *b, struct grains_state *s) {
 
 static bool take_lists(struct bytes *b, struct grains_state *s) {
     const size_t n = (size_t)s->n, sums = (size_t)s->nsums * sizeof(double);
-    return take(b, s->grain, n * sizeof *s->grain) && take(b, s->event, n * sizeof *s->event) &&
-           take(b, s->id, n * sizeof *s->id) && take(b, s->sums[0], sums) && take(b, s->sums[1], sums) &&
-           b->left == 2 && !memcmp(b->at, ")\n", 2);
+    return bytes_take(b, s->grain, n * sizeof *s->grain) && bytes_take(b, s->event, n * sizeof *s->event) &&
+           bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->sums[0], sums) &&
+           bytes_take(b, s->sums[1], sums) && b->left == 2 && !memcmp(b->at, ")\n", 2);
 }
 
 static status allocate_lists(struct grains_state *s) {
@@ -172,7 +162,7 @@ static status parse(const struct source *source, struct lexer *l, struct grains_
     TRY(lexer_expect(l, '('));
     struct bytes b = {source->text + l->position, source->size - l->position};
     struct head head, here;
-    if (!take(&b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
+    if (!bytes_take(&b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     s->n = head.n;
     s->nsums = head.nsums;
     here = head_of(s);

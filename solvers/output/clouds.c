@@ -12,10 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { POSITIONS, VELOCITY, ID, DIAMETER, FILES };
+enum { POSITIONS, VELOCITY, ID, DIAMETER, SPIN, FILES };
 static const char *const files[FILES] = {"lagrangian/grains/positions", "lagrangian/grains/U", "lagrangian/grains/id",
-                                         "lagrangian/grains/d"};
-static const char *const classes[FILES] = {"Cloud<passiveParticle>", "vectorField", "labelField", "scalarField"};
+                                         "lagrangian/grains/d", "lagrangian/grains/omega"};
+static const char *const classes[FILES] = {"Cloud<passiveParticle>", "vectorField", "labelField", "scalarField",
+                                           "vectorField"};
 
 status cloud_make(int n, struct cloud *c) {
     *c = (struct cloud){.n = n};
@@ -29,6 +30,7 @@ void cloud_free(struct cloud *c) {
     free(c->u);
     free(c->cell);
     free(c->id);
+    free(c->spin);
     *c = (struct cloud){.n = 0};
 }
 
@@ -40,8 +42,8 @@ static void print_positions(struct sink *s, const struct cloud *c) {
 }
 
 static status print_list(struct sink *s, const struct cloud *c, int file, const struct foam_format *f) {
-    if (file == VELOCITY) {
-        foam_list_write_doubles(s, f, 3, c->n, c->u[0]);
+    if (file == VELOCITY || file == SPIN) {
+        foam_list_write_doubles(s, f, 3, c->n, file == SPIN ? c->spin[0] : c->u[0]);
         return OK;
     }
     void *list = NULL;
@@ -72,6 +74,7 @@ status cloud_write(const struct cloud *c, const char *folder, const char *locati
         struct foam_format f = *format;
         struct sink *s;
         struct file_sum sum;
+        if (k == SPIN && !c->spin) continue;
         f.precision = 17; /* all digits, because a start may be made from the file */
         if (k == POSITIONS) f.binary = false;
         snprintf(path, sizeof path, "%s/%s", folder, files[k]);
@@ -165,9 +168,11 @@ static status read_beside(const char *folder, int file, struct cloud *c) {
     }
     status e = open_file(folder, file, &source, &l, &h);
     if (!e && file == ID) e = foam_list_read_labels(&l, &h, c->n, &n, &c->id);
-    if (!e && file != ID) e = foam_list_read_doubles(&l, &h, file == VELOCITY ? 3 : 1, c->n, &n, &values);
+    if (!e && file != ID) e = foam_list_read_doubles(&l, &h, file == DIAMETER ? 1 : 3, c->n, &n, &values);
     if (!e && n != c->n) e = fail(ERR_INPUT, "%s: it holds %ld values; there are %d grains", path, n, c->n);
     if (!e && file == VELOCITY) memcpy(c->u, values, (size_t)n * sizeof *c->u);
+    if (!e && file == SPIN) e = allocate(&c->spin, n, sizeof *c->spin, "spins of grains");
+    if (!e && file == SPIN) memcpy(c->spin, values, (size_t)n * sizeof *c->spin);
     if (!e && file == DIAMETER) c->diameter = values[0];
     free(values);
     source_free(source);
@@ -198,8 +203,11 @@ status cloud_write_vtk(const struct cloud *c, const char *folder, const char *na
         number[i] = c->id ? c->id[i] : i;
         number[c->n + i] = c->diameter;
     }
-    const struct vtk_field fields[] = {{"id", 1, number}, {"d", 1, number + c->n}, {"U", 3, c->u ? c->u[0] : NULL}};
-    status e = vtk_write_points(path, ascii, t, step, c->n, c->x[0], c->u ? 3 : 2, fields);
+    const struct vtk_field fields[] = {{"id", 1, number},
+                                       {"d", 1, number + c->n},
+                                       {"U", 3, c->u ? c->u[0] : NULL},
+                                       {"omega", 3, c->spin ? c->spin[0] : NULL}};
+    status e = vtk_write_points(path, ascii, t, step, c->n, c->x[0], !c->u ? 2 : c->spin ? 4 : 3, fields);
     free(number);
     return e;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grains as an OpenFOAM cloud, TIME/lagrangian/grains: `positions` (Cloud<passiveParticle>, always ascii) and fields
- * U, id, d beside it, which foamToVTK and ParaView read. */
+ * U, id, d, of rough grains also omega, beside it, which foamToVTK and ParaView read. */
 #ifndef SOLVERS_CLOUDS_H
 #define SOLVERS_CLOUDS_H
 
@@ -9,13 +9,14 @@
 
 struct cloud { /* a zeroed cloud has no grains */
     int n;
-    double (*x)[3];  /* [n] m, along physical axes */
-    double (*u)[3];  /* [n] m/s; NULL: the file is not there */
-    int *cell;       /* [n] polyMesh cell */
-    int *id;         /* [n]; NULL: 0 .. n-1 */
-    double diameter; /* m; 0: not known */
+    double (*x)[3];    /* [n] m, along physical axes */
+    double (*u)[3];    /* [n] m/s; NULL: the file is not there */
+    double (*spin)[3]; /* [n] 1/s; NULL: the grains are smooth, or the file is not there */
+    int *cell;         /* [n] polyMesh cell */
+    int *id;           /* [n]; NULL: 0 .. n-1 */
+    double diameter;   /* m; 0: not known */
 };
-status cloud_make(int n, struct cloud *out); /* allocates all lists but id */
+status cloud_make(int n, struct cloud *out); /* allocates all lists but spin and id */
 void cloud_free(struct cloud *c);
 
 /* Writes the cloud into the folder of a time that is being written; location is the time's name. */

@@ -49,9 +49,10 @@ static const struct medium_type *medium_of(const char *dir) {
     snprintf(path, sizeof path, "%.4000s/system/controlDict", dir);
     status e = dict_read(path, &d);
     if (!e) e = dict_word_or(d, "application", "", &name);
-    static const struct medium_type *const types[] = {&gas_medium, &segregation_medium, &grains_medium};
+    static const struct medium_type *const types[] = {&gas_medium, &segregation_medium, &grains_medium, &dem_medium};
+    const int ntypes = sizeof types / sizeof *types;
     const struct medium_type *type = types[0];
-    for (int i = 1; !e && i < 3; i++)
+    for (int i = 1; !e && i < ntypes; i++)
         if (!strcmp(name, types[i]->application)) type = types[i];
     status_free(e);
     dict_free(d);

@@ -29,7 +29,7 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
         if (o.list_boundaries) type->list_boundaries(stdout);
         return 0;
     }
-    if (o.ranks > 1) return program_end(NULL, options_relaunch(argc, argv, &o), o.debug);
+    if (o.ranks > 1 && !type->starts) return program_end(NULL, options_relaunch(argc, argv, &o), o.debug);
     bool first;
     s = options_launched(&first);
     if (s && !first) {
@@ -38,6 +38,8 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
     }
     if (s) return program_end(NULL, s, o.debug);
     s = comm_start(&argc, &argv, &c);
-    if (!s) s = (o.dry_run ? run_check : run_case)(o.dir, type, (struct case_reading){.strict = o.strict}, c);
+    if (!s)
+        s = (o.dry_run ? run_check : run_case)(o.dir, type, (struct case_reading){.strict = o.strict, .ranks = o.ranks},
+                                               c);
     return program_end(c, s, o.debug);
 }

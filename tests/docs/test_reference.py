@@ -17,7 +17,7 @@ from tests.cases.harness import boxes
 
 SOURCE = harness.SOURCE
 DOCS = os.path.join(SOURCE, "docs")
-PROGRAMS = {"granularGas": "gas", "granularMD": "grains", "granularSegregation": "segregation", "gmshToCase": "gas"}
+PROGRAMS = {"granularGas": "gas", "granularMD": "grains", "granularDEM": "softGrains", "granularSegregation": "segregation", "gmshToCase": "gas"}
 
 # Reads whose key is no text in the source: the name of a row of a table, or a name that the user gave.
 TABLES = {
@@ -232,6 +232,7 @@ NAMES = {"NAME": "added", "LINE": "upwards", "PATCH": "lid"}
 BESIDES = {
     ("system/controlDict", "functions/NAME", ""): "probeLocations ((0.01 0.02 0));",
     ("constant/granularProperties", "", ""): "transport GarzoDufty; sources ();",
+    ("constant/particleProperties", "contact", ""): "youngsModulus 5e9;",
     ("constant/segregationProperties", "percolation", ""): "velocity 0.1;",
     ("constant/segregationProperties", "percolation", "constant"): "direction (0 1 0);",
     ("constant/segregationProperties", "percolation", "expression"): "direction (0 1 0);",
@@ -241,14 +242,16 @@ BESIDES = {
 RUBBING = {"constant/granularProperties": "friction { type muI; }\n"}  # muWall needs it
 ALSO = {**{("0.orig/alpha", wall): RUBBING for wall in ("frictionalSlip", "granularWall", "JohnsonJacksonSlip")},
         ("0.orig/phi", "fixedValue"): {"0.orig/U": "boundaryField { lid { type zeroGradient; } }\n"}}  # beside a wall phi is noFlux
+SPHERES = "equationOfState TorquatoSpheres;\n"  # the examples have disks
 # Dictionaries that are put in place of those of the example, whose entries are of another type.
-ANEW = ("percolation", "diffusivity")
+ANEW = ("percolation", "diffusivity", "contact")
+PLAIN = ("gas", "grains", "softGrains")  # examples that have a plain form
 # Of whole entries: words that a program knows and that no case of docs/examples can have. It refuses them with the reason; two closures
 # want a line whose last cells are half as wide, as in cases/kink.
-REFUSED = {("granularMD", "zeroGradient"), ("granularMD", "energyBudget"), ("granularSegregation", "energyBudget"),
+REFUSED = {("granularMD", "zeroGradient"), ("granularMD", "energyBudget"), ("granularDEM", "energyBudget"), ("granularSegregation", "energyBudget"),
            ("granularSegregation", "symmetry"), ("granularSegregation", "symmetryPlane"),
            ("granularSegregation", "paper"), ("granularSegregation", "neumann")}
-FIELD = {"granularGas": "rho", "granularMD": "rho", "granularSegregation": "phi", "gmshToCase": ""}
+FIELD = {"granularGas": "rho", "granularMD": "rho", "granularDEM": "rho", "granularSegregation": "phi", "gmshToCase": ""}
 DIMENSIONS = {"alpha": "[0 0 0 0 0 0 0]", "rho": "[1 -3 0 0 0 0 0]", "U": "[0 1 -1 0 0 0 0]", "T": "[0 2 -2 0 0 0 0]", "phi": "[0 0 0 0 0 0 0]"}
 JUNK = "zzzzzzzz"
 
@@ -267,11 +270,12 @@ class Programs(unittest.TestCase):
         cls.msh = os.path.join(cls.folder, "mesh.msh")
         subprocess.run(["gmsh", "-3", "-v", "2", os.path.join(cls.folder, "mesh.geo"), "-o", cls.msh], check=True, capture_output=True)
         harness.program("gmshToCase", cls.msh, "-case", os.path.join(cls.folder, "gas"))
-        for name in ("grains", "segregation"):
+        for name in ("grains", "softGrains", "segregation"):
             shutil.copytree(os.path.join(cls.folder, "gas", "constant", "polyMesh"), os.path.join(cls.folder, name, "constant", "polyMesh"))
         cls.make_line()
         cls.make_plain("gas")
         cls.make_plain("grains")
+        cls.make_plain("softGrains")
         # a run of granularGas beside the copies, for the rows of granularSegregation that read one
         shutil.copytree(os.path.join(cls.folder, "gas"), os.path.join(cls.folder, "run", "gas"))
         with open(os.path.join(cls.folder, "run", "gas", "system", "controlDict"), "a", encoding="utf-8") as file:
@@ -321,7 +325,7 @@ class Programs(unittest.TestCase):
         try:
             for file, text in changes.items():
                 with open(os.path.join(case, file), "a", encoding="utf-8") as out:
-                    out.write(text)
+                    out.write(text + (SPHERES if "cooling BerziVescovi;" in text else ""))
             if lid:
                 boundary = os.path.join(case, "constant", "polyMesh", "boundary")
                 with open(boundary, encoding="utf-8") as old:
@@ -358,7 +362,7 @@ class Programs(unittest.TestCase):
         if program != "granularGas":
             entries = entries.replace("application granularGas", f"application {program}").replace("(alpha)", f"({FIELD[program]})")
             entries = entries.replace("isoField alpha", f"isoField {FIELD[program]}")
-        if program == "granularMD":
+        if program in ("granularMD", "granularDEM"):
             entries = re.sub(r"table \(.*?\)\);", "2;", entries)
         entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
         for part in reversed(inside.split("/") if inside else []):
@@ -398,7 +402,7 @@ class Programs(unittest.TestCase):
                 if program == "granularSegregation" and place[2] == "flowRateInletVelocity":
                     continue  # the patches of its example are walls
                 plain = len(place[0]) == 5 or place[1].endswith("Coeffs") and "/" not in place[1]
-                base = "line" if place[2] == "exponential" else f"plain {example}" if plain and example in ("gas", "grains") else example
+                base = "line" if place[2] == "exponential" else f"plain {example}" if plain and example in PLAIN else example
                 yield program, base, place, rows
 
     def known(self, program, place):
@@ -425,7 +429,7 @@ class Programs(unittest.TestCase):
         """(example, {file: text}) of the entry that -keywords prints for a word: in a case of docs/examples, where the entry belongs."""
         example = PROGRAMS[program]
         if row.inside == "boundaryField/PATCH":
-            base = f"plain {example}" if example in ("gas", "grains") else example
+            base = f"plain {example}" if example in PLAIN else example
             patch = {"empty": "front", "cyclic": "left"}.get(row.value, "lid")
             of = dict(zip(("scalars", "U"), row.example.split("    in U: ")))
             takes = row.meaning.split(":")[0].split(", ") if ":" in row.meaning else ["scalars", "U"]
@@ -436,8 +440,9 @@ class Programs(unittest.TestCase):
                 entries["0.orig/U"] = "type zeroGradient;"  # beside a wall phi is noFlux
             return base, {file: f"\nboundaryField {{ {patch} {{ {entry} }} }}\n" for file, entry in entries.items()} | ALSO.get((row.files[0], row.value), {})
         around = {"functions/NAME": "functions { added { %s } }"}.get(row.inside, row.inside and row.inside + " { %s }") or "%s"
-        base = f"plain {example}" if example in ("gas", "grains") and row.files == ["constant/granularProperties"] else example
-        return base, {row.files[0]: "\n" + around % row.example + "\n"}
+        base = f"plain {example}" if example in PLAIN and row.files == ["constant/granularProperties"] else example
+        anew = "#inputMode overwrite\n" if row.inside == "contact" else ""
+        return base, {row.files[0]: "\n" + anew + around % row.example + "\n"}
 
     def test_whole_entries(self):
         """What -keywords prints for a model, a boundary condition, a source, a function object is taken as it stands."""
@@ -464,12 +469,12 @@ class Programs(unittest.TestCase):
                 found = re.search(rf"{file}:\d+: keyword '{JUNK}' is not used; remove it; known here: (.*?) \(", said)
                 self.assertTrue(found, f"{changes}\n{said}")
                 asked = set(found[1].split())
-                if program == "granularMD":  # parameters of the gas may stay in the file
+                if program in ("granularMD", "granularDEM"):  # parameters of the gas may stay in the file
                     asked = {key for key in asked if not key.endswith("Coeffs")}
                 self.assertEqual(asked - self.known(program, place), set())
 
     def test_examples(self):
-        for name in ("gas", "grains", "segregation"):
+        for name in ("gas", "grains", "segregation") + (("softGrains",) if shutil.which("lmp") else ()):
             with self.subTest(name):
                 said = harness.program("checkCase", os.path.join(self.folder, name)).stdout
                 self.assertIn("The case is sound.", said)

@@ -57,6 +57,7 @@ static inline void assert_near(double found, double expected, double allowed) {
 static inline struct material grains_of(const struct eos *eos, double e, double sigma) {
     struct material m = {.diameter = sigma, .mass = 1, .restitution = e, .disks = eos->disks};
     model_defaults(&eos->model, &m);
+    if (eos->packing) m.alpha_max = eos->packing(0);
     return m;
 }
 

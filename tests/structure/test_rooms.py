@@ -45,6 +45,8 @@ ROOMS = {
                     "mesh/grid", "solvers/dict", "solvers/case", "solvers/output"],
     "solvers/grains": ["libcore/models", "libcore/grains", "mesh/base", "mesh/format", "mesh/grid", "solvers/dict",
                        "solvers/case", "solvers/output", "solvers/gas"],
+    "solvers/dem": ["libcore/models", "libcore/grains", "mesh/base", "mesh/format", "mesh/grid", "solvers/dict",
+                    "solvers/case", "solvers/output", "solvers/gas", "solvers/grains"],
     "solvers/segregation": ["libcore/models", "libcore/segregation", "mesh/base", "mesh/format", "mesh/grid",
                             "solvers/dict", "solvers/case", "solvers/output"],
     "solvers/programs": ["libcore/models", "mesh/base", "mesh/format", "mesh/grid", "mesh/lattice", "solvers/dict",

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Finds when a grain in flight touches facets, the walls of any shape (facets.h; docs/physics.md 10.2), and lets it
+ * rebound from them. */
+#include "libcore/grains/grains_private.h"
+
+struct approach { /* distance of the surfaces of a grain and a facet (m), its rate (m/s), the unit normal of the latter
+                   */
+    double h, v, normal[3];
+};
+
+static double along(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Computes place and velocity of a grain at time t in the frame of the box. */
+static void fly_in_box(const struct grains *g, const struct grain *p, double t, double x[3], double u[3]) {
+    fly(g, p, t, x, u);
+    for (int k = 0; k < g->dim; k++) {
+        struct swing w = grains_swing(&g->box, k, t);
+        x[k] -= w.s;
+        u[k] -= w.v;
+    }
+}
+
+static struct approach approach_at(const struct grains *g, const struct grain *p, const struct facet *f, double t) {
+    struct approach a;
+    double x[3], u[3];
+    fly_in_box(g, p, t, x, u);
+    a.h = facet_distance(f, g->dim, x, a.normal) - 0.5 * grains_diameter(g, t);
+    a.v = along(a.normal, u) - 0.5 * g->law.growth;
+    return a;
+}
+
+/* Is the point of the facet's plane that is nearest to x in the facet? */
+static bool is_over(const struct facet *f, int dim, const double x[3]) {
+    for (int j = 0; j < dim; j++) {
+        double s = 0;
+        for (int k = 0; k < dim; k++) s += (x[k] - f->corner[j][k]) * f->out[j][k];
+        if (s > 0) return false;
+    }
+    return true;
+}
+
+/* Of a box at rest: returns the first time at which the grain touches the plane of the facet, before which it cannot
+ * touch the facet; HUGE_VAL: never. *done: it touches the facet then. */
+static double plane_time(const struct grains *g, const struct grain *p, const struct facet *f, bool *done) {
+    double r[3], x[3], u[3];
+    for (int k = 0; k < 3; k++) r[k] = p->x[k] - f->corner[0][k];
+    const double height = along(r, f->normal), sign = height < 0 ? -1 : 1; /* it may pass behind, on another wall */
+    double h = fabs(height) - 0.5 * grains_diameter(g, p->t);
+    double v = sign * along(p->u, f->normal) - 0.5 * g->law.growth, a = sign * along(g->law.gravity, f->normal);
+    *done = false;
+    if (h <= 0 && !is_over(f, g->dim, p->x)) return p->t;
+    double t = p->t + grains_first_root(h, v, a);
+    if (t == HUGE_VAL) return t;
+    fly(g, p, t, x, u);
+    *done = is_over(f, g->dim, x);
+    return t;
+}
+
+/* The steps of grains_walls.c, with the bound G of all components of the acceleration. */
+double grains_facet_time(const struct grains *g, int i, int facet, double limit, bool *again) {
+    enum { STEPS = 100 };
+    const struct grain *p = &g->grain[i];
+    const struct facet *f = &g->box.facets->facet[facet];
+    double G = g->pull_all, t = p->t;
+    bool done = false;
+    *again = false;
+    if (!g->swings) t = plane_time(g, p, f, &done);
+    if (!(t <= limit)) return HUGE_VAL;
+    for (int step = 0; step < STEPS && !done; step++) {
+        struct approach a = approach_at(g, p, f, t);
+        if (a.h <= 0) {
+            if (a.v < 0 || (a.v == 0 && G > 0)) return t;
+            a.h = 0;
+        }
+        double root = sqrt(a.v * a.v + 2 * G * a.h), d = a.v > 0 ? (a.v + root) / G : 2 * a.h / (root - a.v);
+        if (!(t + d <= limit)) return HUGE_VAL;
+        done = t + d == t;
+        t += d;
+        *again = step == STEPS - 1 && !done;
+    }
+    return t;
+}
+
+void grains_consider_facets(struct grains *g, int i, double leaving) {
+    const struct facet_cells *c = &g->walls;
+    const struct grain_cells *all = &g->cells;
+    struct grain *p = &g->grain[i];
+    struct grain_event *e = &g->event[i];
+    long cell = 0;
+    for (int k = g->dim - 1; k >= 0; k--) cell = cell * c->n[k] + cell_number(all, e->cell, k);
+    for (int32_t q = c->start[cell]; q < c->start[cell + 1]; q++) {
+        bool again;
+        double t = grains_facet_time(g, i, c->list[q], fmin(p->impact, leaving), &again);
+        if (t >= p->impact) continue;
+        p->impact = t;
+        e->partner = again ? LOOK_AGAIN : FIRST_FACET - c->list[q];
+    }
+}
+
+void grains_rebound_facet(struct grains *g, int a, int partner, double t, struct grain_observer *observer) {
+    struct grain *p = &g->grain[a];
+    const struct facet *f = &g->box.facets->facet[FIRST_FACET - partner];
+    const struct approach now = approach_at(g, p, f, t);
+    const double e = g->box.wall_restitution ? g->box.wall_restitution[f->wall] : 1, growth = 0.5 * g->law.growth;
+    const double outward = -(now.v + growth), to_wall[3] = {-now.normal[0], -now.normal[1], -now.normal[2]};
+    const double after = grains_speed_after(g, fmax(outward + growth, 0), e, p->u) + growth;
+    const double gain = outward + after, square = along(now.normal, now.normal); /* not 1 to the bit: a bias, else */
+    for (int k = 0; k < g->dim; k++) {
+        const double du = gain / square * now.normal[k];
+        p->u[k] += du;
+        g->impulse[f->wall][k] -= g->law.mass * du;
+    }
+    g->event[a].changes++;
+    g->counts.walls++;
+    g->counts.lost += 0.5 * g->law.mass * (outward - after) * (outward + after);
+    if (observer) grains_tell(g, observer, a, partner, t, to_wall, 1, g->law.mass * gain);
+}
+
+status grains_facets_make(struct grains *g) {
+    const struct facets *f = g->box.facets;
+    const struct grain_cells *c = &g->cells;
+    double swing[3] = {0};
+    if (!f) return OK;
+    facet_cells_free(&g->walls);
+    for (int k = 0; k < 3; k++) {
+        g->walls.n[k] = c->n[k];
+        g->walls.low[k] = c->low[k];
+        g->walls.width[k] = c->width[k];
+        if (is_shaken(&g->box, k)) swing[k] = fabs(g->box.shake[k]);
+    }
+    return facet_cells_make(f, g->law.growth > 0 ? f->space.reach : 0.5 * g->law.diameter, swing, &g->walls);
+}

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Writes commands and data files of LAMMPS (dem_deck.h). Numbers have all digits: a run has the same bits from them. */
+#include "solvers/dem/dem_deck.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TWO_PI 6.28318530717958647692
+#define SLAB   0.02 /* diameters: thickness of the slabs that stand for walls */
+
+const char dem_deck_contacts[] = "c_names[1] c_names[2] c_forces[1] c_forces[2] c_forces[3] c_forces[4] c_forces[5] "
+                                 "c_forces[6]";
+
+/* `hertz` with K is exact for pairs and walls; `hertz/material` makes walls 1 + nu too stiff. */
+static void write_law(FILE *f, const struct contact_law *l) {
+    const bool linear = l->contact->type == CONTACT_LINEAR;
+    fprintf(f, "%s %.17g %.17g tangential ", linear ? "hooke" : "hertz", l->k, l->eta);
+    if (l->friction > 0)
+        fprintf(f, "%s %.17g %.17g %.17g", l->contact->tangent == TANGENT_MINDLIN ? "mindlin" : "linear_history", l->kt,
+                l->chi, l->friction);
+    else
+        fprintf(f, "linear_nohistory 0 0");
+    fprintf(f, " damping %s", linear ? "velocity" : l->tsuji ? "tsuji" : "viscoelastic");
+}
+
+static void write_side(FILE *f, const struct dem_walls *w, int i) {
+    const struct dem_wall *wall = &w->wall[i];
+    const double at = wall->side ? w->high[wall->axis] : w->low[wall->axis];
+    fprintf(f, "fix wall%d all wall/gran granular ", i);
+    write_law(f, &wall->law);
+    if (wall->side)
+        fprintf(f, " %cplane NULL %.17g contacts\n", "xyz"[wall->axis], at);
+    else
+        fprintf(f, " %cplane %.17g NULL contacts\n", "xyz"[wall->axis], at);
+}
+
+/* Sets the slab behind a rectangle as a prism of LAMMPS: three edges, the first along x, the second in the plane of x
+ * and y. One edge of the rectangle lies along `flat`; the slab's thickness along an axis across it. */
+static void slab(const struct dem_law *law, const struct dem_wall *wall, double corner[3], double edge[3][3]) {
+    const struct dem_walls *w = law->walls;
+    int flat = 0, thick = -1;
+    for (int k = 1; k < 3; k++)
+        if (fabs(wall->edge[1][k]) > fabs(wall->edge[1][flat])) flat = k;
+    for (int k = 0; k < 3; k++) /* x first, as a prism's first edge is; y for walls along x */
+        if (k != flat && thick < 0 && fabs(wall->normal[k]) > 1e-9) thick = k;
+    const int rest = 3 - flat - thick;
+    memcpy(corner, wall->corner, sizeof wall->corner);
+    memset(edge, 0, 9 * sizeof(double));
+    memcpy(edge[flat], wall->edge[1], sizeof *edge);
+    memcpy(edge[rest], wall->edge[0], sizeof *edge);
+    edge[thick][thick] = SLAB * law->diameter;
+    if (wall->normal[thick] < 0) corner[thick] -= edge[thick][thick];
+    if (w->periodic[flat] || flat >= w->dim) { /* the slab goes beyond the end of space */
+        corner[flat] -= 2 * law->diameter;
+        edge[flat][flat] += 4 * law->diameter;
+    }
+    if (edge[rest][rest] < 0) /* edges lead upwards */
+        for (int k = 0; k < 3; k++) {
+            corner[k] += edge[rest][k];
+            edge[rest][k] *= -1;
+        }
+}
+
+static void write_slab(FILE *f, const struct dem_law *law, int i) {
+    double c[3], e[3][3];
+    slab(law, &law->walls->wall[i], c, e);
+    const bool block = e[1][0] == 0 && e[2][0] == 0 && e[2][1] == 0;
+    fprintf(f, "region wall%d %s", i, block ? "block" : "prism");
+    for (int k = 0; k < 3; k++) fprintf(f, " %.17g %.17g", c[k], c[k] + e[k][k]);
+    if (!block) fprintf(f, " %.17g %.17g %.17g", e[1][0], e[2][0], e[2][1]);
+    fprintf(f, " side out units box\nfix wall%d all wall/gran/region granular ", i);
+    write_law(f, &law->walls->wall[i].law);
+    fprintf(f, " region wall%d contacts\n", i);
+}
+
+static void write_gravity(FILE *f, const struct dem_law *law) {
+    const struct sources *s = law->gravity;
+    const double *g = s->gravity;
+    const double size = sqrt(g[0] * g[0] + g[1] * g[1] + (law->walls->dim > 2 ? g[2] * g[2] : 0));
+    if (size == 0) return;
+    fprintf(f, "variable gravity equal %.17g*(1+%.17g*cos(%.17g*v_time+%.17g))\n", size, s->amplitude,
+            TWO_PI * s->frequency, s->phase);
+    fprintf(f, "fix gravity all gravity %s vector %.17g %.17g %.17g\n",
+            s->amplitude != 0 ? "v_gravity" : "$(v_gravity:%.17g)", g[0], g[1], law->walls->dim > 2 ? g[2] : 0);
+}
+
+static void write_start(FILE *f, const struct dem_law *law, const char *data, const char *restart) {
+    const struct dem_walls *w = law->walls;
+    fprintf(f, "# Written by granularDEM: soft grains on the case in the folder above. SI units.\n"
+               "units si\natom_style sphere\natom_modify map array\nnewton off\n");
+    if (w->dim == 2) fprintf(f, "dimension 2\n");
+    fprintf(f, "boundary %s %s %s\n", w->periodic[0] ? "p" : "f", w->periodic[1] ? "p" : "f",
+            w->periodic[2] || w->dim == 2 ? "p" : "f");
+    fprintf(f, "variable time equal 0\n");
+    fprintf(f, restart ? "read_restart \"%s\"\n" : "read_data \"%s\"\n", restart ? restart : data);
+    fprintf(f, "comm_modify vel yes\nneighbor %.17g bin\nneigh_modify delay 0 every 1 check yes\n",
+            0.2 * law->diameter);
+}
+
+static void write_deck(FILE *f, const struct dem_law *law, const char *data, const char *restart) {
+    const struct dem_walls *w = law->walls;
+    write_start(f, law, data, restart);
+    fprintf(f, "pair_style granular\npair_coeff * * ");
+    write_law(f, &law->pair);
+    fprintf(f, "\n");
+    for (int i = 0; i < w->n; i++)
+        if (w->wall[i].axis >= 0)
+            write_side(f, w, i);
+        else
+            write_slab(f, law, i);
+    write_gravity(f, law);
+    fprintf(f, "fix move all nve/sphere%s\n", w->dim == 2 ? " disc" : "");
+    if (w->dim == 2) fprintf(f, "fix plane all enforce2d\n");
+    fprintf(f, "compute names all property/local patom1 patom2 cutoff radius\n"
+               "compute forces all pair/local fx fy fz p1 p2 p3 cutoff radius\n"
+               "compute sums all reduce sum c_names[1] c_forces[1]\n"); /* it keeps both ready for dumps */
+    fprintf(f,
+            "thermo_style custom step atoms c_sums[1] c_sums[2]\nthermo 0\n"
+            "thermo_modify norm no flush no lost %s\n",
+            w->open ? "ignore" : "error");
+}
+
+status dem_deck(const struct dem_law *law, const char *data, const char *restart, char **out) {
+    size_t size;
+    const char *path = restart ? restart : data;
+    *out = NULL;
+    if (strpbrk(path, "\"\n"))
+        return fail(ERR_INPUT, "%s: LAMMPS cannot open a path with a quotation mark in it; rename the folder", path);
+    FILE *f = open_memstream(out, &size);
+    if (!f) return fail(ERR_SYSTEM, "no memory for the commands of LAMMPS");
+    write_deck(f, law, data, restart);
+    return fclose(f) ? fail(ERR_SYSTEM, "no memory for the commands of LAMMPS") : OK;
+}
+
+void dem_deck_columns(const struct dem_walls *walls, char *out, size_t size) {
+    size_t used = (size_t)snprintf(out, size, "id x y z vx vy vz omegax omegay omegaz");
+    for (int i = 0; i < walls->n && used < size; i++)
+        for (int k = 1; k <= DEM_WALL_COLUMNS && used < size; k++)
+            used += (size_t)snprintf(out + used, size - used, " f_wall%d[%d]", i, k);
+}
+
+static void write_data(FILE *f, const struct dem_law *law, const struct dem_moment *g) {
+    const struct dem_walls *w = law->walls;
+    const double d = law->diameter, density = law->mass / (TWO_PI / 12 * d * d * d);
+    fprintf(f, "grains of granularDEM\n\n%d atoms\n1 atom types\n\n", g->n);
+    for (int k = 0; k < 3; k++) {
+        const bool flat = k >= w->dim;
+        const double beyond = w->periodic[k] ? 0 : d, half = 0.5 * (w->low[k] + w->high[k]);
+        fprintf(f, "%.17g %.17g %clo %chi\n", flat ? half - d / 2 : w->low[k] - beyond,
+                flat ? half + d / 2 : w->high[k] + beyond, "xyz"[k], "xyz"[k]);
+    }
+    fprintf(f, "\nAtoms # sphere\n\n");
+    for (int i = 0; i < g->n; i++)
+        fprintf(f, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", g->id[i], d, density, g->x[i][0], g->x[i][1], g->x[i][2]);
+    fprintf(f, "\nVelocities\n\n");
+    for (int i = 0; i < g->n; i++)
+        fprintf(f, "%d %.17g %.17g %.17g %.17g %.17g %.17g\n", g->id[i], g->u[i][0], g->u[i][1], g->u[i][2],
+                g->spin[i][0], g->spin[i][1], g->spin[i][2]);
+}
+
+status dem_deck_data(const struct dem_law *law, const struct dem_moment *grains, const char *path) {
+    FILE *f;
+    const int why = file_create_stream(path, &f);
+    if (why) return file_error(path, "cannot be written", why);
+    write_data(f, law, grains);
+    const bool failed = ferror(f);
+    return fclose(f) || failed ? fail(ERR_SYSTEM, "%s: cannot be written (disk full?)", path) : OK;
+}

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Advances soft grains in pieces, samples them and keeps their account (dem_run.h). */
+#include "solvers/dem/dem_run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PIECE = 0.15; /* s of the clock: so soon a signal is heard */
+enum { FIRST_PIECE = 200 };
+
+void dem_run_free(struct dem_run *r) {
+    dem_engine_free(r->engine);
+    averages_free(r->averages);
+    dem_moment_free(&r->moment);
+    dem_state_free(&r->saved);
+    grains_start_free(&r->start);
+    grains_models_free(r->models);
+    free(r->impact);
+}
+
+double dem_run_energy(const struct dem_run *r) {
+    const struct dem_sums *s = &r->sums;
+    return s->kinetic + s->spin + s->potential + s->normal_spring + s->tangent_spring;
+}
+
+double dem_run_friction(const struct dem_run *r) {
+    return r->account.drag - r->account.tangent - r->sums.tangent_spring;
+}
+
+struct averages_moment dem_run_averaged(const struct dem_run *r) {
+    const struct dem_moment *m = &r->moment;
+    return (struct averages_moment){.t = r->moment_t,
+                                    .n = m->n,
+                                    .x = (const double(*)[3])m->x,
+                                    .u = (const double(*)[3])m->u,
+                                    .ncontacts = m->ncontacts,
+                                    .contact = r->impact};
+}
+
+/* Computes what follows from the moment. */
+static status digest(struct dem_run *r) {
+    const struct dem_moment *m = &r->moment;
+    if (m->ncontacts > r->impacts) {
+        free(r->impact);
+        r->impacts = 0;
+        TRY(allocate(&r->impact, m->ncontacts, sizeof *r->impact, "contacts"));
+        r->impacts = m->ncontacts;
+    }
+    dem_impacts(&r->law, m, r->impact);
+    dem_sums(&r->law, m, &r->sums);
+    return OK;
+}
+
+/* ---- start ---- */
+
+static double *list_of(const struct dem_moment *m, int k) {
+    return k == 0 ? m->x[0] : k == 1 ? m->u[0] : m->spin[0];
+}
+
+static status take_saved(struct dem_run *r) {
+    const struct dem_state *s = &r->saved;
+    double law[DEM_LAW];
+    TRY(dem_moment_make(s->nold, &r->moment));
+    r->moment.n = s->n;
+    memcpy(r->moment.id, s->id, (size_t)s->n * sizeof *s->id);
+    for (int k = 0; k < 3; k++) memcpy(list_of(&r->moment, k), s->list[k], 3 * (size_t)s->n * sizeof(double));
+    dem_state_law(&r->law, law);
+    r->changed = memcmp(law, s->law, sizeof law) != 0;
+    if (!r->changed) r->account = s->account;
+    return OK;
+}
+
+static status check_overlaps(const struct dem_run *r) {
+    const struct dem_moment *m = &r->moment;
+    for (int i = 0; i < m->n; i++)
+        for (int j = 0; j < r->walls.n; j++) {
+            const struct dem_wall *w = &r->walls.wall[j];
+            double near[3], away = 0, outwards = 0;
+            dem_wall_nearest(&r->walls, j, m->x[i], near);
+            for (int k = 0; k < r->walls.dim; k++) {
+                away += (m->x[i][k] - near[k]) * (m->x[i][k] - near[k]);
+                outwards += (m->x[i][k] - near[k]) * w->normal[k];
+            }
+            if (sqrt(away) > (0.5 - 1e-3) * r->law.diameter) continue;
+            return fail(ERR_INPUT,
+                        "%s/%s: grain %d at (%g %g %g) overlaps a wall of patch %s; let alpha be 0 within half a "
+                        "diameter of walls inside of the box",
+                        r->setup->dir, r->setup->start.folder, m->id[i], m->x[i][0], m->x[i][1], m->x[i][2],
+                        r->setup->mesh->patch[w->patch].name);
+        }
+    return OK;
+}
+
+static status place(struct dem_run *r) {
+    const struct dem_walls *w = &r->walls;
+    struct grain_box box = {.dim = w->dim};
+    struct grain_start p = {.n = 0};
+    for (int k = 0; k < w->dim; k++) {
+        box.low[k] = w->low[k];
+        box.high[k] = w->high[k];
+        box.periodic[k] = w->periodic[k];
+        box.restitution[k][0] = box.restitution[k][1] = 1;
+    }
+    status e = grain_start_make(r->setup, r->models, &box, &r->start, &p);
+    if (!e) e = dem_moment_make(p.n, &r->moment);
+    for (int i = 0; !e && i < p.n; i++)
+        for (int k = 0; k < 3; k++) {
+            r->moment.x[i][k] = k < w->dim ? p.x[i][k] : 0.5 * (w->low[k] + w->high[k]);
+            r->moment.u[i][k] = k < w->dim ? p.u[i][k] : 0;
+            r->moment.spin[i][k] = p.spin ? p.spin[i][k] : 0;
+        }
+    r->from_cloud = p.from_cloud;
+    r->packing = p.packing;
+    free(p.x);
+    free(p.u);
+    free(p.spin);
+    return e ? e : check_overlaps(r);
+}
+
+/* Makes the averages, with the sums of the saved state if these are of the same cells, kernel and windows. */
+static status make_averages(struct dem_run *r) {
+    const struct grains_models *m = r->models;
+    const struct dem_state *s = &r->saved;
+    const struct coarse_grid grid = grains_grid(r->setup, m);
+    double numbers[16];
+    long n;
+    TRY(status_note(averages_make(&grid, m->window, m->samples, r->setup->start.t, r->moment.nold, &r->averages),
+                    "%s: coarseGraining", dict_path(m->properties)));
+    struct averages_mark *mark = averages_mark(r->averages);
+    grains_state_grid(&grid, numbers);
+    (void)averages_sums(r->averages, 0, &n);
+    if (!s->nold || r->changed || n != s->nsums || memcmp(numbers, s->grid, sizeof numbers) != 0 ||
+        s->mark.window != mark->window || s->mark.samples != mark->samples)
+        return OK;
+    r->kept = true;
+    *mark = s->mark;
+    for (int k = 0; k < 2; k++)
+        memcpy(averages_sums(r->averages, k, &n), s->sums[k], (size_t)s->nsums * sizeof(double));
+    return OK;
+}
+
+status dem_run_start(struct dem_run *r) {
+    const bool saved = r->saved.nold > 0;
+    TRY(saved ? take_saved(r) : place(r));
+    r->moment_t = r->setup->start.t;
+    TRY(digest(r));
+    if (!saved || r->changed) r->account.energy = dem_run_energy(r);
+    r->account.t = r->setup->start.t;
+    TRY(make_averages(r));
+    dem_state_free(&r->saved);
+    grains_start_drop(&r->start);
+    return OK;
+}
+
+/* ---- pieces ---- */
+
+static status launch(struct dem_run *r) {
+    const struct setup *s = r->setup;
+    struct lammps_abilities can;
+    char folder[TIME_PATH + 16], restart[2 * TIME_PATH];
+    snprintf(folder, sizeof folder, "%s/dem", s->dir);
+    snprintf(restart, sizeof restart, "%s/%s/uniform/lammps", s->dir, s->start.folder);
+    TRY(lammps_ask(&can));
+    TRY(case_make_folders(s, folder));
+    const bool goes_on = !r->changed && field_exists(restart);
+    return dem_engine_make(&r->law, s->ranks, folder, &r->moment, goes_on ? restart : NULL, &r->engine);
+}
+
+/* Plans equal steps from now to a time. */
+static void plan(struct dem_run *r, double to) {
+    struct dem_span *p = &r->span;
+    if (p->done < p->n && p->to == to) return;
+    const double t = r->account.t, n = fmax(1, ceil((to - t) / r->longest - 1e-9));
+    *p = (struct dem_span){.from = t, .to = to, .dt = (to - t) / n, .n = (long)n};
+    dem_engine_pace(r->engine, t, p->dt, false);
+}
+
+static long piece_steps(const struct dem_run *r) {
+    const long left = r->span.n - r->span.done;
+    const double most = r->steps ? PIECE * (double)r->steps / r->spent : FIRST_PIECE;
+    return left < most ? left : most > 1 ? (long)most : 1;
+}
+
+static status sample(struct dem_run *r) {
+    const struct averages_mark *mark = averages_mark(r->averages);
+    const bool closes = mark->taken == mark->samples;
+    if (!closes) {
+        const double every = mark->window / mark->samples;
+        TRY(dem_run_look(r));
+        r->account.normal += every * r->sums.normal_loss;
+        r->account.tangent += every * r->sums.tangent_loss;
+        r->account.drag += every * r->sums.drag;
+    }
+    const struct averages_moment now = dem_run_averaged(r);
+    averages_take_soft(r->averages, &now);
+    return OK;
+}
+
+status dem_run_piece(struct dem_run *r, double until, bool *sampled) {
+    /* below the slack two times are the same, computed in two ways */
+    const double due = averages_next(r->averages), slack = 1e-12 * fabs(until);
+    const double target = due < until - slack ? due : until;
+    struct dem_span *p = &r->span;
+    *sampled = false;
+    if (!r->engine) TRY(launch(r));
+    if (target > r->account.t) {
+        plan(r, target);
+        const long steps = piece_steps(r);
+        const double clock = clock_now();
+        TRY(dem_engine_run(r->engine, steps));
+        r->spent += clock_now() - clock;
+        r->steps += steps;
+        p->done += steps;
+        r->account.t = p->done == p->n ? p->to : p->from + (double)p->done * p->dt;
+    }
+    if (r->account.t < target || due > target + slack) return OK;
+    *sampled = averages_mark(r->averages)->taken < averages_mark(r->averages)->samples;
+    return sample(r);
+}
+
+status dem_run_look(struct dem_run *r) {
+    if (r->moment_t == r->account.t || !r->engine) return OK;
+    const double clock = clock_now();
+    TRY(dem_engine_moment(r->engine, &r->moment));
+    r->moment_t = r->account.t;
+    r->sampled += clock_now() - clock;
+    return digest(r);
+}
+
+status dem_run_save(struct dem_run *r, const char *folder, const char *location, struct checksums *sums) {
+    const struct coarse_grid grid = grains_grid(r->setup, r->models);
+    char path[2 * TIME_PATH], where[TIME_NAME + 16];
+    struct file_sum sum;
+    TRY(dem_run_look(r));
+    struct dem_state s = {.n = r->moment.n,
+                          .nold = r->moment.nold,
+                          .account = r->account,
+                          .id = r->moment.id,
+                          .mark = *averages_mark(r->averages)};
+    for (int k = 0; k < 3; k++) s.list[k] = list_of(&r->moment, k);
+    for (int k = 0; k < 2; k++) s.sums[k] = averages_sums(r->averages, k, &s.nsums);
+    dem_state_law(&r->law, s.law);
+    grains_state_grid(&grid, s.grid);
+    snprintf(path, sizeof path, "%s/uniform/softGrains", folder);
+    snprintf(where, sizeof where, "%s/uniform", location);
+    TRY(dem_state_write(&s, path, where, r->setup->control->format.compress, &sum));
+    TRY(checksums_add(sums, "uniform/softGrains", sum));
+    if (!r->engine) return OK; /* the run begins from the grains, and so does one that starts here */
+    snprintf(path, sizeof path, "%s/uniform/lammps", folder);
+    TRY(dem_engine_save(r->engine, path));
+    r->span.n = r->span.done; /* the steps behind are planned anew, as a restart plans them */
+    TRY(file_sum_read(path, &sum));
+    return checksums_add(sums, "uniform/lammps", sum);
+}

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Starts LAMMPS, sends it commands and reads its answers (lammps.h). */
+#define _GNU_SOURCE /* environ */
+#include "solvers/dem/lammps.h"
+
+#include "mesh/base/build.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { NUMBERS = 24, WORDS = 32 };
+static const char marker[] = "haff: done";
+
+struct lammps {
+    FILE *to, *from;
+    pid_t pid;
+    char *line; /* the last one read */
+    size_t room;
+    double number[NUMBERS];
+    int count;       /* of those */
+    char error[512]; /* its last error */
+};
+
+static status missing(void) {
+    return fail(
+        ERR_SYSTEM,
+        "system/controlDict: application granularDEM runs LAMMPS, and the program lmp was not found in PATH: on "
+        "Debian, run  apt-get install lammps");
+}
+
+/* Starts a program with the ends in[0] and out[1] of two pipes as its standard input and output. Returns an errno. */
+static int spawn(char *const command[], const int in[2], const int out[2], pid_t *pid) {
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t how;
+    sigset_t usual;
+    sigemptyset(&usual);
+    sigaddset(&usual, SIGPIPE);
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, in[0], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&files, out[1], STDOUT_FILENO);
+    for (int k = 0; k < 2; k++) {
+        posix_spawn_file_actions_addclose(&files, in[k]);
+        posix_spawn_file_actions_addclose(&files, out[k]);
+    }
+    posix_spawnattr_init(&how);
+    posix_spawnattr_setsigdefault(&how, &usual);
+    /* a group of its own: Ctrl-C is for haff, which ends the child in order */
+    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    const int why = posix_spawnp(pid, command[0], &files, &how, command, environ);
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&how);
+    return why;
+}
+
+static status launch(char *const command[], struct lammps *l) {
+    int in[2], out[2];
+    if (pipe(in)) return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
+    if (pipe(out)) {
+        close(in[0]);
+        close(in[1]);
+        return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
+    }
+    const int why = spawn(command, in, out, &l->pid);
+    if (why) l->pid = 0;
+    close(in[0]);
+    close(out[1]);
+    l->to = fdopen(in[1], "w");
+    l->from = fdopen(out[0], "r");
+    if (why == ENOENT && !strcmp(command[0], "lmp")) return missing();
+    if (why || !l->to || !l->from) return fail(ERR_SYSTEM, "%s: it cannot be started: %s", command[0], strerror(why));
+    return OK;
+}
+
+static bool read_line(struct lammps *l) {
+    const ssize_t n = getline(&l->line, &l->room, l->from);
+    if (n <= 0) return false;
+    l->line[strcspn(l->line, "\n")] = 0;
+    return true;
+}
+
+/* Waits for its end; returns its exit code. */
+static int end(struct lammps *l) {
+    int code = 0;
+    if (l->to) fclose(l->to);
+    if (l->from) fclose(l->from);
+    l->to = l->from = NULL;
+    if (l->pid > 0) waitpid(l->pid, &code, 0);
+    l->pid = 0;
+    return WIFEXITED(code) ? WEXITSTATUS(code) : 128;
+}
+
+void lammps_free(struct lammps *l) {
+    if (!l) return;
+    (void)end(l);
+    free(l->line);
+    free(l);
+}
+
+/* Does a line of the lists that `lmp -h` prints hold a style? */
+static bool lists(const char *line, const char *style) {
+    const size_t n = strlen(style);
+    for (const char *at = line; (at = strstr(at, style)); at += n)
+        if ((at == line || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0)) return true;
+    return false;
+}
+
+status lammps_ask(struct lammps_abilities *out) {
+    char *const command[] = {"lmp", "-h", NULL};
+    static const char title[] = "Simulator - ";
+    struct lammps *l;
+    bool pair = false, wall = false, region = false;
+    *out = (struct lammps_abilities){.version = ""};
+    TRY(allocate(&l, 1, sizeof *l, "LAMMPS"));
+    status e = launch(command, l);
+    while (!e && read_line(l)) {
+        const char *version = strstr(l->line, title);
+        if (version) snprintf(out->version, sizeof out->version, "%s", version + strlen(title));
+        pair |= lists(l->line, "granular");
+        wall |= lists(l->line, "wall/gran");
+        region |= lists(l->line, "wall/gran/region");
+    }
+    (void)end(l);
+    lammps_free(l);
+    TRY(e);
+    if (pair && wall && region) return OK;
+    return fail(
+        ERR_SYSTEM,
+        "system/controlDict: application granularDEM needs LAMMPS with its package GRANULAR, which this lmp (%s) "
+        "lacks: on Debian, run  apt-get install lammps",
+        *out->version ? out->version : "of no version");
+}
+
+status lammps_start(int ranks, struct lammps **out) {
+    char number[16], wrapper[4096];
+    char *command[WORDS];
+    int n = 0;
+    TRY(allocate(out, 1, sizeof **out, "LAMMPS"));
+    if (ranks > 1) {
+        snprintf(number, sizeof number, "%d", ranks);
+        setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0); /* ranks that wait leave their core to the others */
+        command[n++] = build_companion("mpirun", sizeof wrapper, wrapper) ? wrapper : "mpirun";
+        command[n++] = "-np";
+        command[n++] = number;
+    }
+    static char *const rest[] = {"stdbuf", "-oL", "lmp", "-log", "none", "-nocite", "-echo", "none", NULL};
+    for (int i = 0; i < 9; i++) command[n++] = rest[i];
+    return launch(command, *out);
+}
+
+void lammps_send(struct lammps *l, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vfprintf(l->to, format, args);
+    va_end(args);
+    fputc('\n', l->to);
+}
+
+/* Fails with what it said last. */
+static status died(struct lammps *l) {
+    const int code = end(l);
+    if (*l->error) return fail(ERR_SYSTEM, "LAMMPS ended: %s", l->error);
+    if (code == 127) return missing();
+    return fail(ERR_SYSTEM, "LAMMPS ended with code %d and said no reason", code);
+}
+
+/* Keeps an error; and the numbers of a line that holds numbers alone. */
+static void note(struct lammps *l) {
+    const char *at = l->line;
+    char *rest;
+    double number[NUMBERS];
+    int n = 0;
+    if (!strncmp(at, "ERROR", 5)) snprintf(l->error, sizeof l->error, "%s", at);
+    if (*l->error && !strncmp(at, "Last command", 12)) {
+        const size_t used = strlen(l->error);
+        snprintf(l->error + used, sizeof l->error - used, "; %s", at);
+    }
+    for (; n < NUMBERS; n++, at = rest) {
+        number[n] = strtod(at, &rest);
+        if (rest == at) break;
+    }
+    if (!n || at[strspn(at, " ")]) return;
+    memcpy(l->number, number, sizeof number);
+    l->count = n;
+}
+
+status lammps_wait(struct lammps *l) {
+    lammps_send(l, "print \"%s\"", marker);
+    fflush(l->to);
+    while (read_line(l)) {
+        if (!strcmp(l->line, marker)) return OK;
+        note(l);
+    }
+    return died(l);
+}
+
+double lammps_number(const struct lammps *l, int i) {
+    return i < l->count ? l->number[i] : NAN;
+}
+
+status lammps_dump(struct lammps *l, long *n) {
+    bool count = false;
+    *n = 0;
+    fflush(l->to);
+    while (read_line(l)) {
+        if (count) *n = atol(l->line);
+        count = !strncmp(l->line, "ITEM: NUMBER OF", 15);
+        if (!strncmp(l->line, "ITEM: ATOMS", 11) || !strncmp(l->line, "ITEM: ENTRIES", 13)) return OK;
+        note(l);
+    }
+    return died(l);
+}
+
+status lammps_row(struct lammps *l, int columns, double *row) {
+    if (!read_line(l)) return died(l);
+    char *at = l->line, *rest;
+    for (int k = 0; k < columns; k++, at = rest) {
+        row[k] = strtod(at, &rest);
+        if (rest == at) return fail(ERR_SYSTEM, "LAMMPS gave a row of less than %d numbers: %s", columns, l->line);
+    }
+    return OK;
+}
