@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 static long cells_of_mesh(const struct gas *g) {
-    return g->forest ? g->forest->ncells_all : g->grid->ncells_all;
+    return g->forest ? g->forest->ncells_all : g->blocks.grid->ncells_all;
 }
 
 /* Calls visit for each cell of this rank: its number here, and its place in a line of a block. */
