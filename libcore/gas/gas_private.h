@@ -51,6 +51,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
      * stress on each of its sides (struct bed_set); NULL without friction */
     double **kept;
     int sides;                  /* most of a cell */
+    bool rubs;                  /* is there packed gas, on which friction acts? */
     bool relisted;              /* does `kept` hold cells that are no longer in the bed? */
     double inertia;             /* of the dense cells in the last plan */
     double cooling;             /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
@@ -242,6 +243,11 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
 /* ---- implicit acoustics of dense cells (libcore/gas/dense.c) ---- */
 
 status dense_make(struct gas *g);
+/* Lets friction act on the packed gas of `to` over dt, behind an explicit step. Returns whether the result is of use.
+ */
+bool dense_rub(struct gas *g, double t, double dt, const struct state *to);
+status dense_listed(struct gas *g);      /* lists the bed, unless it is that of the last list */
+void dense_take_friction(struct gas *g); /* takes what friction kept, and what the walls do */
 void dense_keep_friction(struct gas *g); /* keeps what friction needs in the next step */
 /* The kind (enum bed_kind) of a face of the bed beyond which there is a patch; -1: another cell. */
 int dense_kind(const struct gas *g, int patch);
