@@ -372,7 +372,7 @@ void freeze_row(const struct gas *g, int n, const struct advance *s, const doubl
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
 /* Computes the coefficients of the law of transport for a line of cells. Where packed grains rub, friction is the share
- * s of the shear stress (libcore/models/friction.h), and the viscosities keep 1 - s. Conduction stays whole. */
+ * s of the shear stress (docs/physics.md 4.10), and the viscosities keep 1 - s. Conduction stays whole. */
 void transport_row(const struct gas *g, const struct closure_line *cells, double *restrict bulk, double *restrict shear,
                    double *restrict heat);
 /* Computes q_0 of a row (diffusion_hooks.begin), of which components of u, or T alone, go to lines q. */

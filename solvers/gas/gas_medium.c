@@ -291,6 +291,11 @@ static double gas_memory(const struct medium *medium) {
                     sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
 
+/* Would grains under gravity hold each other by a friction that the case does not have? */
+static bool lacks_friction(const struct gas_state *g) {
+    return !friction_acts(g->models->gas.friction) && source_falls(&g->models->gas.source, gas_variables(g->gas) - 2);
+}
+
 static void plan_step(struct medium *m, const struct control *c, struct pace *out) {
     struct gas_state *g = of(m);
     const double most = c->adjust ? c->max_co : g->models->gas.stepper->courant;
@@ -304,7 +309,7 @@ static void plan_step(struct medium *m, const struct control *c, struct pace *ou
     const char *limit;
     const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
     limiter_note_beds(&g->refused, g->gas, comm_root(m->setup->comm));
-    if (g->slow >= 0) g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
+    if (g->slow >= 0) g->slow = bed > 0 && lacks_friction(g) && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
     out->stable = c->adjust ? bed : HUGE_VAL; /* what limits the step of a bed is accuracy */
     out->limit = limit;
@@ -482,7 +487,7 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
         g->slow = -1;
         TRY(warn(&m->setup->warnings, WARN_FRICTION,
                  "%s:1: dense gas has been slow for %d steps (inertial number below %g, now %.2g): real grains "
-                 "would hold each other by friction there, which the model has not; a heap goes flat",
+                 "hold each other by friction there, and without it a heap goes flat; say  friction { type muI; }",
                  dict_path(g->models->properties), SLOW_STEPS, SLOWEST, gas_inertia(g->gas)));
     }
     return OK;
