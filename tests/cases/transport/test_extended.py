@@ -57,5 +57,31 @@ class HomogeneousShear(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(np.log2(coarse / fine), 2, delta=0.2)
 
 
+class Refused(harness.Folder, unittest.TestCase):
+    """What does not fit together is refused with file, line and what to do, by checkCase as by a run."""
+
+    def said(self, *change):
+        case = harness.copy("couetteSpheres", self.folder)
+        replace(case, "constant/granularProperties", *change)
+        harness.mesh(case, 8)
+        done = harness.program("checkCase", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"granularProperties:\d+: ")
+        return done.stderr
+
+    def test_disks(self):
+        self.assertIn("BerziVescovi is for spheres, equationOfState TorquatoDisks for disks", self.said("VescoviSpheres", "TorquatoDisks"))
+
+    def test_packing(self):
+        self.assertIn("lies from 0.5 to 0.7", self.said("cooling ", "VescoviSpheresCoeffs { alphaMax 0.4; } cooling "))
+
+    def test_hard_grains(self):
+        case = harness.copy("coolingDisksMD", self.folder)
+        harness.mesh(case, 8)
+        replace(case, "constant/granularProperties", "grain {", "grain { friction 0.5;")
+        done = harness.program("granularMD", "-case", case, check=False)
+        self.assertIn("hard grains do not rub: say  friction 0;", done.stderr)
+
+
 if __name__ == "__main__":
     unittest.main()
