@@ -155,6 +155,24 @@ status dem_run_start(struct dem_run *r) {
 
 /* ---- pieces ---- */
 
+/* Fails if grains that a user placed overlap. */
+static status check_pairs(struct dem_run *r) {
+    const struct dem_moment *m = &r->moment;
+    dem_engine_pace(r->engine, r->account.t, r->longest, true);
+    TRY(dem_engine_run(r->engine, 0));
+    TRY(dem_engine_moment(r->engine, &r->moment));
+    for (long i = 0; i < m->ncontacts; i++) {
+        const struct dem_contact *c = &m->contact[i];
+        if (c->b < 0 || c->overlap < 1e-3 * r->law.diameter) continue;
+        return fail(
+            ERR_INPUT,
+            "%s/%s/lagrangian/grains/positions: grains %d and %d overlap by %.3g diameters at the start; 1e-3 is "
+            "allowed",
+            r->setup->dir, r->setup->start.folder, m->id[c->a], m->id[c->b], c->overlap / r->law.diameter);
+    }
+    return digest(r);
+}
+
 static status launch(struct dem_run *r) {
     const struct setup *s = r->setup;
     struct lammps_abilities can;
@@ -164,14 +182,25 @@ static status launch(struct dem_run *r) {
     TRY(lammps_ask(&can));
     TRY(case_make_folders(s, folder));
     const bool goes_on = !r->changed && field_exists(restart);
-    return dem_engine_make(&r->law, s->ranks, folder, &r->moment, goes_on ? restart : NULL, &r->engine);
+    TRY(dem_engine_make(&r->law, s->ranks, folder, &r->moment, goes_on ? restart : NULL, &r->engine));
+    return r->from_cloud ? check_pairs(r) : OK;
+}
+
+/* Returns how many steps there are to be in a time. In the windows of averages all are as long as in half the time
+ * between two samples: a new length makes LAMMPS begin once more. */
+static double steps_in(const struct dem_run *r, double time) {
+    const struct averages_mark *mark = averages_mark(r->averages);
+    const double half = mark->window / (2. * mark->samples), halves = half > 0 ? round(time / half) : 0;
+    if (halves >= 1 && fabs(time - halves * half) < 1e-9 * half)
+        return halves * fmax(1, ceil(half / r->longest - 1e-9));
+    return fmax(1, ceil(time / r->longest - 1e-9));
 }
 
 /* Plans equal steps from now to a time. */
 static void plan(struct dem_run *r, double to) {
     struct dem_span *p = &r->span;
     if (p->done < p->n && p->to == to) return;
-    const double t = r->account.t, n = fmax(1, ceil((to - t) / r->longest - 1e-9));
+    const double t = r->account.t, n = steps_in(r, to - t);
     *p = (struct dem_span){.from = t, .to = to, .dt = (to - t) / n, .n = (long)n};
     dem_engine_pace(r->engine, t, p->dt, false);
 }
