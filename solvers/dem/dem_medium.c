@@ -162,7 +162,8 @@ static status medium_step(struct medium *m, const struct control *c, double t, d
 static double imbalance(const struct dem_run *r) {
     const struct dem_sums *s = &r->sums;
     const double lost = r->account.normal + r->account.tangent + dem_run_friction(r);
-    return (dem_run_energy(r) + lost - r->account.energy) / fmax(fabs(r->account.energy), s->kinetic + s->spin + lost);
+    return (dem_run_energy(r) + lost - r->account.work - r->account.energy) /
+           fmax(fabs(r->account.energy), s->kinetic + s->spin + lost);
 }
 
 static void fill_row(const struct dem_run *r, struct log_row *row) {
@@ -181,6 +182,7 @@ static void fill_row(const struct dem_run *r, struct log_row *row) {
     log_column(row, "lostNormal", r->account.normal);
     log_column(row, "lostTangential", r->account.tangent);
     log_column(row, "lostFriction", dem_run_friction(r));
+    log_column(row, "wallWork", r->account.work);
     log_column(row, "energyChange", imbalance(r));
     for (int k = 0; k < 3; k++) log_column(row, names[k], momentum[k]);
 }

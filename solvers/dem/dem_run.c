@@ -92,6 +92,23 @@ static status check_overlaps(const struct dem_run *r) {
     return OK;
 }
 
+static bool is_hole(const struct lattice *l, long i, int k, int by) {
+    long stride = 1;
+    for (int a = 0; a < k; a++) stride *= l->n[a];
+    const long at = i / stride % l->n[k] + by;
+    return at >= 0 && at < l->n[k] && l->cell[i + by * stride] < 0;
+}
+
+/* Empties cells beside holes of the lattice: grains are put anywhere in a cell, and walls of the box alone are heeded.
+ */
+static void keep_off_holes(struct dem_run *r) {
+    const struct lattice *l = r->setup->lattice;
+    const long cells = (long)l->n[0] * l->n[1] * l->n[2];
+    for (long i = 0; r->start.alpha && i < cells; i++)
+        for (int k = 0; k < l->dim; k++)
+            if (is_hole(l, i, k, -1) || is_hole(l, i, k, 1)) r->start.alpha[i] = 0;
+}
+
 static status place(struct dem_run *r) {
     const struct dem_walls *w = &r->walls;
     struct grain_box box = {.dim = w->dim};
@@ -102,6 +119,7 @@ static status place(struct dem_run *r) {
         box.periodic[k] = w->periodic[k];
         box.restitution[k][0] = box.restitution[k][1] = 1;
     }
+    keep_off_holes(r);
     status e = grain_start_make(r->setup, r->models, &box, &r->start, &p);
     if (!e) e = dem_moment_make(p.n, &r->moment);
     for (int i = 0; !e && i < p.n; i++)
@@ -220,6 +238,7 @@ static status sample(struct dem_run *r) {
         r->account.normal += every * r->sums.normal_loss;
         r->account.tangent += every * r->sums.tangent_loss;
         r->account.drag += every * r->sums.drag;
+        r->account.work += every * r->sums.work;
     }
     const struct averages_moment now = dem_run_averaged(r);
     averages_take_soft(r->averages, &now);

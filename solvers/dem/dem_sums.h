@@ -16,6 +16,7 @@ struct dem_sums {
     double normal_spring, tangent_spring;   /* J */
     double normal_loss, tangent_loss, drag; /* W: dampers; all that the tangential forces do, springs included */
     double momentum[3];                     /* kg m/s */
+    double work;                            /* W, of walls that move */
     double force[DEM_MOST_WALLS][3];        /* N, on the walls */
 };
 void dem_sums(const struct dem_law *law, const struct dem_moment *m, struct dem_sums *out);

@@ -55,6 +55,14 @@ def end(case, time):
     return {key: value[order] for key, value in cloud.items()}
 
 
+def table(case):
+    """Rows of grains.dat, and the column of each title."""
+    path = os.path.join(case, "postProcessing", "grains", "0", "grains.dat")
+    with open(path) as f:
+        names = [line for line in f if line.startswith("# Time")][0].split()[1:]
+    return np.loadtxt(path), {name: i for i, name in enumerate(names)}
+
+
 def duration(radius, mass, speed):
     return 2.87 * (mass**2 / (radius * STIFF**2 * speed)) ** 0.2
 
@@ -153,6 +161,22 @@ class Impacts(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(last["U"][0, 0] / (5 / 7 * v), 1, delta=1e-4)
         self.assertAlmostEqual(-last["omega"][0, 2] * D / 2 / last["U"][0, 0], 1, delta=1e-3)
 
+    def test_moving_wall(self):
+        """A sphere that lies on a plate in motion is dragged along until it rolls at 2/7 of the plate's speed; the plate's work is what it gets and loses."""
+        v, mu, g, k = 0.1, 0.5, 9.81, 200
+        stop = 2 * v / (7 * mu * g)
+        case = make(self.path("moving"), f"type linear; stiffness {k}; restitution 0.5; friction {mu}; tangentialDamping 0.5; impactSpeed 0.1; timeStepFraction 0.005;",
+                    wall=f"translatingWallVelocity; U ({v} 0 0); value uniform ({v} 0 0)", positions=[(4e-3, D / 2 - MASS * g / k, 4e-3)], U=[(0, 0, 0)],
+                    g=(0, -g, 0), end=float("%.6g" % (2.5 * stop)), interval=float("%.6g" % (0.5 * stop)), more="coarseGraining { samples 400; }")
+        solve(case)
+        times = harness.haff.Case(case).times[1:]
+        self.assertAlmostEqual(end(case, times[0])["U"][0, 0] / (mu * g * float(times[0])), 1, delta=1e-3)
+        self.assertAlmostEqual(end(case, times[-1])["U"][0, 0] / (2 / 7 * v), 1, delta=1e-3)
+        row, at = table(case)
+        has = sum(row[-1, at[key]] for key in ("kinetic", "spin", "potential", "normalSpring", "tangentSpring")) - row[0, at["potential"]]
+        lost = sum(row[-1, at[key]] for key in ("lostNormal", "lostTangential", "lostFriction"))
+        self.assertAlmostEqual((has + lost) / row[-1, at["wallWork"]], 1, delta=0.02)
+
     def test_joint(self):
         """Finding L3: two patches of one plane that meet are one wall; a sphere on their joint feels it once."""
         case = make(self.path("joint"), f"type hertz; youngsModulus {E}; restitution 0.9; impactSpeed 1;", positions=[(4.02e-3, D / 2 + 1e-9, 4e-3)], U=[(0, -1, 0)], end=6e-5, interval=6e-5)
@@ -221,10 +245,8 @@ class Beds(harness.Folder, unittest.TestCase):
         for samples in (500, 2000):
             case = self.bed(f"budget {samples}", end=0.02, interval=0.02, more="coarseGraining { samples %d; }" % samples)
             solve(case)
-            rows = np.loadtxt(os.path.join(case, "postProcessing", "grains", "0", "grains.dat"))
-            with open(os.path.join(case, "postProcessing", "grains", "0", "grains.dat")) as f:
-                names = [line for line in f if line.startswith("# Time")][0].split()[1:]
-            at = {name: rows[:, i] for i, name in enumerate(names)}
+            rows, column = table(case)
+            at = {name: rows[:, i] for name, i in column.items()}
             has = sum(at[k] for k in ("kinetic", "spin", "potential", "normalSpring", "tangentSpring"))
             lost = sum(at[k] for k in ("lostNormal", "lostTangential", "lostFriction"))
             worst[samples] = np.abs(has + lost - has[0])[-1] / lost[-1]
@@ -239,10 +261,8 @@ class Beds(harness.Folder, unittest.TestCase):
         found = harness.haff.Case(case)
         cell = 1e-9
         self.assertAlmostEqual(float(np.sum(found.field("rho", "0.5"))) * cell / (150 * MASS), 1, places=9)
-        rows = np.loadtxt(os.path.join(case, "postProcessing", "grains", "0", "grains.dat"))
-        with open(os.path.join(case, "postProcessing", "grains", "0", "grains.dat")) as f:
-            names = [line for line in f if line.startswith("# Time")][0].split()[1:]
-        upwards = [i for i, n in enumerate(names) if n.startswith("force") and n.endswith("_y")]
+        rows, column = table(case)
+        upwards = [i for n, i in column.items() if n.startswith("force") and n.endswith("_y")]
         force = np.sum(rows[rows[:, 0] > 0.3][:, upwards], axis=1)
         self.assertAlmostEqual(float(np.mean(force)) / (-150 * MASS * 9.81), 1, delta=0.002)
 
@@ -251,10 +271,10 @@ class Beds(harness.Folder, unittest.TestCase):
         case = make(self.path("elastic"), f"type hertz; youngsModulus {E}; restitution 1; timeStepFraction 0.02;", more="N 100; seed 2;\n", alpha=0.1, T=0.02,
                     types={"x": "cyclic", "y": "cyclic", "z": "cyclic"}, end=0.02, interval=0.02)
         solve(case)
-        rows = np.loadtxt(os.path.join(case, "postProcessing", "grains", "0", "grains.dat"))
-        with_springs = rows[:, 4] + rows[:, 5] + rows[:, 7]
+        rows, at = table(case)
+        with_springs = rows[:, at["kinetic"]] + rows[:, at["spin"]] + rows[:, at["normalSpring"]]
         self.assertLess(np.abs(with_springs / with_springs[0] - 1).max(), 1e-3)
-        self.assertLess(np.abs(rows[:, 12:15]).max(), 1e-12 * np.sqrt(2 * MASS * 100 * with_springs[0]))
+        self.assertLess(np.abs(rows[:, at["momentum_x"]:at["momentum_z"] + 1]).max(), 1e-12 * np.sqrt(2 * MASS * 100 * with_springs[0]))
 
     def test_ranks(self):
         """On two ranks LAMMPS adds in another order: the same motion to round-off for some impacts."""
