@@ -16,7 +16,13 @@ void dem_run_free(struct dem_run *r) {
     dem_state_free(&r->saved);
     grains_start_free(&r->start);
     grains_models_free(r->models);
-    free(r->impact);
+    free(r->stress);
+}
+
+static struct coarse_grid grid_of(const struct dem_run *r) {
+    struct coarse_grid g = grains_grid(r->setup, r->models);
+    g.rough = true;
+    return g;
 }
 
 double dem_run_energy(const struct dem_run *r) {
@@ -34,20 +40,21 @@ struct averages_moment dem_run_averaged(const struct dem_run *r) {
                                     .n = m->n,
                                     .x = (const double(*)[3])m->x,
                                     .u = (const double(*)[3])m->u,
+                                    .spin = (const double(*)[3])m->spin,
                                     .ncontacts = m->ncontacts,
-                                    .contact = r->impact};
+                                    .contact = r->stress};
 }
 
 /* Computes what follows from the moment. */
 static status digest(struct dem_run *r) {
     const struct dem_moment *m = &r->moment;
-    if (m->ncontacts > r->impacts) {
-        free(r->impact);
-        r->impacts = 0;
-        TRY(allocate(&r->impact, m->ncontacts, sizeof *r->impact, "contacts"));
-        r->impacts = m->ncontacts;
+    if (m->ncontacts > r->stresses) {
+        free(r->stress);
+        r->stresses = 0;
+        TRY(allocate(&r->stress, m->ncontacts, sizeof *r->stress, "contacts"));
+        r->stresses = m->ncontacts;
     }
-    dem_impacts(&r->law, m, r->impact);
+    dem_stresses(m, r->stress);
     dem_sums(&r->law, m, &r->sums);
     return OK;
 }
@@ -140,7 +147,7 @@ static status place(struct dem_run *r) {
 static status make_averages(struct dem_run *r) {
     const struct grains_models *m = r->models;
     const struct dem_state *s = &r->saved;
-    const struct coarse_grid grid = grains_grid(r->setup, m);
+    const struct coarse_grid grid = grid_of(r);
     double numbers[16];
     long n;
     TRY(status_note(averages_make(&grid, m->window, m->samples, r->setup->start.t, r->moment.nold, &r->averages),
@@ -277,7 +284,7 @@ status dem_run_look(struct dem_run *r) {
 }
 
 status dem_run_save(struct dem_run *r, const char *folder, const char *location, struct checksums *sums) {
-    const struct coarse_grid grid = grains_grid(r->setup, r->models);
+    const struct coarse_grid grid = grid_of(r);
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct file_sum sum;
     TRY(dem_run_look(r));

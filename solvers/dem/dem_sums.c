@@ -70,14 +70,13 @@ void dem_sums(const struct dem_law *law, const struct dem_moment *m, struct dem_
     for (long i = 0; i < m->ncontacts; i++) add_contact(law, m, &m->contact[i], out);
 }
 
-void dem_impacts(const struct dem_law *law, const struct dem_moment *m, struct grain_impact *out) {
+void dem_stresses(const struct dem_moment *m, struct coarse_contact *out) {
     for (long i = 0; i < m->ncontacts; i++) {
         const struct dem_contact *c = &m->contact[i];
-        const double r = sqrt(dot(c->branch, c->branch)), length = c->b < 0 ? 0.5 * law->diameter : law->diameter;
-        out[i] = (struct grain_impact){.impulse = dot(c->push, c->branch) / length, .a = c->a, .b = c->b};
         for (int k = 0; k < 3; k++) {
-            out[i].x[0][k] = out[i].x[1][k] = m->x[c->a][k];
-            out[i].normal[k] = -c->branch[k] / r;
+            out[i].x[k] = m->x[c->a][k];
+            out[i].branch[k] = c->branch[k];
+            out[i].force[k] = c->push[k] + c->drag[k];
         }
     }
 }

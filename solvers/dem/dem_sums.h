@@ -6,6 +6,7 @@
 #ifndef SOLVERS_DEM_SUMS_H
 #define SOLVERS_DEM_SUMS_H
 
+#include "libcore/grains/coarse.h"
 #include "solvers/dem/dem_engine.h"
 
 struct dem_sums {
@@ -21,7 +22,7 @@ struct dem_sums {
 };
 void dem_sums(const struct dem_law *law, const struct dem_moment *m, struct dem_sums *out);
 
-/* Turns contacts into impacts whose impulse is the normal force, for coarse graining. */
-void dem_impacts(const struct dem_law *law, const struct dem_moment *m, struct grain_impact *out);
+/* Lists the contacts for coarse graining. */
+void dem_stresses(const struct dem_moment *m, struct coarse_contact *out);
 
 #endif

@@ -207,8 +207,9 @@ class Beds(harness.Folder, unittest.TestCase):
     def bed(self, name, **options):
         """A bed of 150 rough spheres that settles."""
         more = options.pop("more", "")
+        options = {"types": {"x": "wall", "y": "wall", "z": "cyclic"}, **options}
         return make(self.path(name), "type linear; stiffness 200; restitution 0.6; friction 0.5; tangentialDamping 0.5;", wall="noSlip", alpha=0.2,
-                    T=1e-3, g=(1, -9.81, 0), types={"x": "wall", "y": "wall", "z": "cyclic"}, more=f"N 150; seed 4;\n{more}", **options)
+                    T=1e-3, g=(1, -9.81, 0), more=f"N 150; seed 4;\n{more}", **options)
 
     def same(self, one, other, at):
         a, b = (end(case, at) for case in (one, other))
@@ -266,6 +267,22 @@ class Beds(harness.Folder, unittest.TestCase):
         force = np.sum(rows[rows[:, 0] > 0.3][:, upwards], axis=1)
         self.assertAlmostEqual(float(np.mean(force)) / (-150 * MASS * 9.81), 1, delta=0.002)
 
+    def test_stress(self):
+        """By the virial theorem the vertical stress of a bed at rest, summed over all cells, is the sum of weight times height; p is a third of the
+        trace, and the mean spin that of the grains."""
+        case = self.bed("stress", end=0.4, interval=0.2, more="coarseGraining { window 100; }", types=WALLS)
+        harness.edit(case, "constant/g", value="(0 -9.81 0)")
+        solve(case)
+        found, cloud = harness.haff.Case(case), end(case, "0.4")
+        along = found.field("pComponents", "0.4")
+        np.testing.assert_allclose(found.field("p", "0.4"), along.mean(axis=1), rtol=1e-4, atol=1e-9)
+        self.assertAlmostEqual(1e-9 * along[:, 1].sum() / (MASS * 9.81 * cloud["x"][:, 1].sum()), 1, delta=2e-3)
+        self.assertLess(np.abs(found.field("pShear", "0.4").sum(axis=0)).max(), 0.2 * along[:, 1].sum())
+        cells = np.floor(cloud["x"] * 1e3 + 1e-9).astype(int)
+        own = cells[:, 0] + 8 * (cells[:, 1] + 8 * cells[:, 2])
+        mean = np.array([cloud["omega"][own == i].mean(axis=0) if (own == i).any() else np.zeros(3) for i in range(512)])
+        np.testing.assert_allclose(found.field("omega", "0.4"), mean, rtol=1e-5, atol=1e-7)
+
     def test_elastic(self):
         """Elastic spheres in a box: the energy of motion between impacts is that of the start, the momentum of a periodic box stays."""
         case = make(self.path("elastic"), f"type hertz; youngsModulus {E}; restitution 1; timeStepFraction 0.02;", more="N 100; seed 2;\n", alpha=0.1, T=0.02,
@@ -275,6 +292,25 @@ class Beds(harness.Folder, unittest.TestCase):
         with_springs = rows[:, at["kinetic"]] + rows[:, at["spin"]] + rows[:, at["normalSpring"]]
         self.assertLess(np.abs(with_springs / with_springs[0] - 1).max(), 1e-3)
         self.assertLess(np.abs(rows[:, at["momentum_x"]:at["momentum_z"] + 1]).max(), 1e-12 * np.sqrt(2 * MASS * 100 * with_springs[0]))
+
+    def test_hard_limit(self):
+        """The same start and e, stiffer and stiffer: the cooling tends to that of hard spheres like E^(-2/5); with 1e8 Pa to 1 %."""
+        cooled, rate = {}, {}
+        for name, young in (("hard", 1e8), ("soft", 1e6), ("stiff", 1e8)):
+            case = make(self.path(name), f"type hertz; youngsModulus {young}; restitution 0.8;", cells=(8, 8, 8), size=(0.02, 0.02, 0.02), e=0.8, T=0.01, alpha=0.2,
+                        types={"x": "cyclic", "y": "cyclic", "z": "cyclic"}, end=0.01, interval=0.01, more="N 3000; seed 7; coarseGraining { samples 4; }\n")
+            if name == "hard":
+                harness.edit(case, "system/controlDict", application="granularMD", **{"+maxDeltaT": 0.00125})  # a row of the table at each sample
+                harness.program("granularMD", "-case", case)
+            else:
+                solve(case)
+            rows, at = table(case)
+            cooled[name] = np.log(0.01 / np.interp(0.00875, rows[:, 0], rows[:, at["T"]]))
+        for name in ("soft", "stiff"):
+            rate[name] = cooled[name] / cooled["hard"]
+        print("cooling over that of hard spheres", rate)
+        self.assertLess(rate["soft"], 0.97)
+        self.assertLess(abs(rate["stiff"] - 1), 0.01, rate)
 
     def test_ranks(self):
         """On two ranks LAMMPS adds in another order: the same motion to round-off for some impacts."""
