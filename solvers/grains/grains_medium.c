@@ -46,14 +46,7 @@ static struct grains_run *of(const struct medium *m) {
 }
 
 enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, QUANTITIES };
-const struct quantity grains_quantity[] = {
-    [RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false},
-    [ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
-    [VELOCITY] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},
-    [TEMPERATURE] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
-    [PRESSURE] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
-    [COMPONENTS] = {"TComponents", 3, {0, 2, -2, 0, 0, 0, 0}, false},
-};
+const struct quantity grains_quantity[] = {GRAINS_QUANTITY_ROWS};
 const enum coarse_field grains_coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES};
 static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P, FIELD_T};
 const int grains_written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, -1};

@@ -43,9 +43,10 @@ static status check_files(const struct setup *s, bool saved) {
 /* Takes one component of a field, times scale, in the order of the lattice's cells. */
 static status take(const struct setup *s, const struct field *f, int component, double scale, double **out) {
     const struct lattice *l = s->lattice;
-    TRY(allocate(out, s->mesh->ncells, sizeof(double), f->kind->name));
-    for (long i = 0; i < s->mesh->ncells; i++)
-        (*out)[i] = scale * f->values[(long)l->cell[i] * f->kind->components + component];
+    const long cells = (long)l->n[0] * l->n[1] * l->n[2];
+    TRY(allocate(out, cells, sizeof(double), f->kind->name));
+    for (long i = 0; i < cells; i++) /* 0 in the holes of a lattice */
+        if (l->cell[i] >= 0) (*out)[i] = scale * f->values[(long)l->cell[i] * f->kind->components + component];
     return OK;
 }
 

@@ -42,7 +42,7 @@ from tests.cases.gas import test_limiter  # noqa: E402
 
 CONTROL, SCHEMES, SOLUTION, GAS = "system/controlDict", "system/fvSchemes", "system/fvSolution", "constant/granularProperties"
 BLOCK = 1024  # bytes of a file that is not text, whose checksum is saved
-PROGRAMS = {"granularGas": ("-help", "-listModels", "-listBCs"), "granularMD": ("-help", "-listModels", "-listBCs"),
+PROGRAMS = {"granularGas": ("-help", "-listModels", "-listBCs"), "granularMD": ("-help", "-listModels", "-listBCs"), "granularDEM": ("-help", "-listModels", "-listBCs"),
             "granularSegregation": ("-help", "-listModels", "-listBCs"), "gmshToCase": ("-help",), "checkCase": ("-help",),
             "caseToVTK": ("-help",)}
 
@@ -72,6 +72,9 @@ SHIPPED = {
     "blastElastic": Row("blastElastic", {"N": 200}, ended(5.48)),
     "bouncingBed": Row("bouncingBed", {"N": 50}, ended(0.1)),
     "bouncingBedMD": Row("bouncingBedMD", {"N": 20, "W": 0.01}, ended(0.1), [("constant/particleProperties", "3424", "856")]),
+    "bouncingBedDEM": Row("bouncingBedDEM", {"N": 20, "W": 0.02}, ended(0.004), [("constant/particleProperties", "8560", "300")]),
+    "chuteDEM": Row("chuteDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
+    "columnDEM": Row("columnDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "cooling3D": Row("cooling3D", {"N": 16}, ended(40)),
     "cooling3DMD": Row("cooling3DMD", {"L": 24, "N": 6}, ended(40, deltaT=20)),
     "coolingDisks": Row("coolingDisks", {"N": 48}, ended(40)),
@@ -94,6 +97,8 @@ SHIPPED = {
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
     "sedimentation": Row("sedimentation", {"N": 50}, ended(0.05)),
     "sedimentationMD": Row("sedimentationMD", {"N": 20, "W": 0.01}, ended(0.04), [("constant/particleProperties", r"N +0;", "N 1500;")]),
+    "shearDEM": Row("shearDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
+    "siloDEM": Row("siloDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "segregationChute": Row("segregationChute", {"N": 40}, ended(1)),
     "segregationExponential": Row("segregationExponential", {}, ended(100)),
     "segregationLinear": Row("segregationLinear", {}, ended(0.4)),

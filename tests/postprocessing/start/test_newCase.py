@@ -209,6 +209,17 @@ class NewCase(harness.Folder, unittest.TestCase):
             self.assertEqual(sorted(k for k, (kind, _, _) in made.mesh.patches.items() if kind == "wall"),
                              sorted(["left", "right", "bottom", "top", "back", "front"][:2 * dim]))
 
+    def test_soft_grains(self):
+        """granularDEM: walls with friction, no thresholdSpeed, a spring whose fastest impact overlaps by a hundredth of a diameter."""
+        case, _ = self.new("-box", "1x1x1", "-cells", "5x5x5", "-application", "granularDEM", "-gravity", "2", "-diameter", "0.1")
+        with open(os.path.join(case, "constant", "particleProperties")) as f:
+            spring = float(re.search(r"stiffness\s+([\d.e+]+);", f.read())[1])
+        self.assertAlmostEqual(2 * np.sqrt(0.5 / spring) / (0.01 * 0.1), 1, delta=0.02)  # a fall by the height: 2 m/s
+        with open(os.path.join(case, "0.orig", "U")) as f:
+            self.assertIn("type noSlip", f.read())
+        with open(os.path.join(case, "constant", "granularProperties")) as f:
+            self.assertRegex(f.read(), r"thresholdSpeed\s+0;")
+
     def test_layer(self):
         """A shaken layer as gas and as grains has the same mass, to a grain, and jumps."""
         gas, _ = self.new(*SPARE, *GRAVITY, "-periodic", "left,right", "-transport", "-walls", "slip")
