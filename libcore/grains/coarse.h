@@ -17,6 +17,7 @@
 #ifndef LIBCORE_COARSE_H
 #define LIBCORE_COARSE_H
 
+#include "libcore/grains/grain_mesh.h"
 #include "libcore/grains/grains.h"
 
 enum coarse_kernel {
@@ -30,13 +31,15 @@ struct coarse_grid {
     double low[3], h[3]; /* m: lower corner, size of a cell */
     bool periodic[3];
     enum coarse_kernel kernel;
-    double width;          /* m, at most the longest side of the grid */
-    double mass, diameter; /* kg, m: of a grain */
+    double width;                  /* m, at most the longest side of the grid */
+    double mass, diameter;         /* kg, m: of a grain */
+    const struct grain_mesh *mesh; /* its cells stand in place of those of the grid, with COARSE_CELL; NULL: no */
 };
 enum coarse_field { COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES, COARSE_FIELDS };
 
 struct coarse; /* the sums; it is a grain_observer of the impacts */
-/* Fails with ERR_INPUT on a width that is not positive or too large, and on a kernel of more than 2^24 cells. */
+/* Fails with ERR_INPUT on a width that is not positive or too large, on a kernel of more than 2^24 cells, and
+ * on another kernel than COARSE_CELL with a mesh. */
 status coarse_make(const struct coarse_grid *grid, struct coarse **out);
 void coarse_free(struct coarse *c);
 struct grain_observer *coarse_observer(struct coarse *c);

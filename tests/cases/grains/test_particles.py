@@ -467,19 +467,7 @@ class BadInput(harness.Folder, unittest.TestCase):
                     self.assertEqual(snapshot(case), before)
 
     def test_meshes(self):
-        """A step, triangles, a side of two kinds of wall."""
-        case = make(os.path.join(self.folder, "step"))
-        at = boxes.centres((8, 8, 1), (16, 16, 1))
-        boxes.write_mesh(case, (8, 8, 1), (16, 16, 1), {"x": "wall", "y": "wall"}, hole=np.all(at[:, :2] < 4, axis=1))
-        for name in ("alpha", "T", "U"):
-            path = os.path.join(case, "0", name)
-            with open(path) as f:
-                text = f.read().replace("cyclic", "slip")
-            with open(path, "w") as f:
-                f.write(text)
-        done = harness.program("granularMD", "-case", case, check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("hole or a step", done.stderr)
+        """A side of two kinds of wall."""
         case = make(os.path.join(self.folder, "sides"), types={"x": "cyclic", "y": "wall"}, particles="walls { half { restitution 0.5; } }\n")
         path = os.path.join(case, "constant", "polyMesh", "boundary")
         with open(path) as f:
