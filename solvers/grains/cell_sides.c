@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct plane { /* of a face: the cell is where normal . x <= offset */
+struct half_space { /* of a face: the cell is where normal . x <= offset */
     double normal[3], offset;
 };
 struct cell_sides {
@@ -17,15 +17,16 @@ struct cell_sides {
     double low[3], per[3]; /* m, 1/m: lower corner of the buckets, and one over their size */
     double slack;          /* m: so far beyond its faces points belong to a cell, too */
     int *plane_start;      /* [cells + 1] */
-    struct plane *plane;
+    struct half_space *plane;
     int *cell_start, *cell; /* [buckets + 1] */
     const double (*bounds)[6];
 };
 
 /* Adds the planes of face f to its cells: counts in next[], or writes where that points. */
-static void add_planes(const struct polymesh *m, int dim, const int axis[3], int f, int *next, struct plane *list) {
+static void add_planes(const struct polymesh *m, int dim, const int axis[3], int f, int *next,
+                       struct half_space *list) {
     double centre[3], area[3], square = 0;
-    struct plane p = {{0}, 0};
+    struct half_space p = {{0}, 0};
     polymesh_one_face(m, f, centre, area);
     for (int k = 0; k < 3; k++) square += area[k] * area[k];
     for (int k = 0; k < dim; k++) {
@@ -94,7 +95,7 @@ static int bucket_along(const struct cell_sides *s, int k, double x) {
 /* Can a cell have points in a bucket? The first and the last bucket go on beyond the mesh. */
 static bool meets(const struct cell_sides *s, int c, const int at[3]) {
     for (int i = s->plane_start[c]; i < s->plane_start[c + 1]; i++) {
-        const struct plane *p = &s->plane[i];
+        const struct half_space *p = &s->plane[i];
         double least = -p->offset;
         for (int k = 0; k < s->dim; k++) least += p->normal[k] * (s->low[k] + (at[k] + (p->normal[k] < 0)) / s->per[k]);
         if (least > 10 * s->slack) return false;
@@ -173,7 +174,7 @@ void cell_sides_free(struct cell_sides *s) {
 
 static inline bool holds(const struct cell_sides *s, int c, const double x[3]) {
     for (int i = s->plane_start[c]; i < s->plane_start[c + 1]; i++) {
-        const struct plane *p = &s->plane[i];
+        const struct half_space *p = &s->plane[i];
         if (p->normal[0] * x[0] + p->normal[1] * x[1] + p->normal[2] * x[2] > p->offset + s->slack) return false;
     }
     return true;
