@@ -79,6 +79,7 @@ SHIPPED = {
     "coolingGas": Row("coolingGas", {"L": 60, "N": 6}, ended(80)),
     "couetteDisks": Row("couetteDisks", {"N": 24}, ended(20)),
     "cylinder": Row("cylinder", {"N": 8}, ended(0.4)),
+    "demonMD": Row("demonMD", {}, ended(40)),
     "equationOfState": Row("equationOfState", {"L": 30}, ended(8)),
     "faraday": Row("faraday", {"L": 60}, ended(0.3)),
     "faradayMD": Row("faradayMD", {"L": 40}, ended(0.3), [("constant/particleProperties", "1879", "250")]),
