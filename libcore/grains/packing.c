@@ -349,6 +349,7 @@ static status grow_from(const struct grain_box *box, double small, double full, 
                         struct packing_report *report) {
     struct growing w = {.box = *box, .diameter = small, .full = full, .n = n, .x = x};
     w.box.wall_restitution = NULL;
+    w.box.shear = 0;
     for (int k = 0; k < 3; k++) {
         w.box.restitution[k][0] = w.box.restitution[k][1] = 1;
         w.box.shake[k] = 0;

@@ -81,6 +81,16 @@ static status make_side(const struct setup *s, const struct grains_models *m, co
     return OK;
 }
 
+/* A sheared box is full, and cyclic along all axes. */
+static status check_shear(const struct setup *s, const struct grains_models *m, const struct grain_box *b) {
+    for (int k = 0; k < b->dim && m->shear != 0; k++)
+        if (!b->periodic[k] || !grains_box_is_full(s))
+            return dict_fail(m->properties, "shearRate",
+                             "the mesh must be a box of equal cells, cyclic along all axes; along %c it is not",
+                             "xyz"[s->axis[k]]);
+    return OK;
+}
+
 static status check_forces(const struct setup *s, const struct grains_models *m, const struct grain_box *b) {
     const struct sources *g = &m->forces.source;
     for (int k = 0; k < b->dim; k++)
@@ -131,6 +141,8 @@ status grains_box_make(const struct setup *s, const struct grains_models *m, con
     const struct sources *g = &m->forces.source;
     *out = (struct grain_box){.dim = s->dim};
     TRY(mesh ? make_space(s, m, U, mesh, out) : make_box(s, m, U, out));
+    TRY(check_shear(s, m, out));
+    out->shear = m->shear;
     if (g->amplitude != 0) {
         out->omega = TWO_PI * g->frequency;
         out->phase = g->phase;

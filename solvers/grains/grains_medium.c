@@ -170,7 +170,7 @@ static struct coarse_grid grid_of(const struct grains_run *x) {
 static double energy_now(const struct grains_run *x) {
     double kinetic, potential, momentum[3];
     grains_energy(x->grains, &kinetic, &potential, momentum);
-    return kinetic + potential + grains_counted(x->grains)->lost;
+    return kinetic + potential + grains_counted(x->grains)->lost - grains_work(x->grains);
 }
 
 static status resume(struct grains_run *x) {
@@ -179,12 +179,19 @@ static status resume(struct grains_run *x) {
     double(*at)[3] = NULL, (*u)[3] = NULL;
     double walls[3];
     grains_state_walls(&x->box, walls);
+    if ((walls[2] == -1 || s->walls[2] == -1) && walls[1] != s->walls[1])
+        return fail(
+            ERR_INPUT,
+            "%s/%s/uniform/grains: the shearRate was %g and is %g now: the images would jump; a run goes on with "
+            "the same",
+            x->base.setup->dir, x->base.setup->start.name, s->walls[2] == -1 ? s->walls[1] : 0, x->box.shear);
     if (walls[0] != s->walls[0] || walls[1] != s->walls[1])
         return fail(ERR_INPUT,
                     "%s/%s/uniform/grains: the walls of the mesh have changed since; remove it to start from "
                     "lagrangian/grains or the fields",
                     x->base.setup->dir, x->base.setup->start.name);
     s->box.facets = x->box.facets;
+    s->box.shear = x->box.shear;
     s->box.wall_restitution = x->box.wall_restitution;
     const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, (const double(*)[3])s->impulse};
     TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
@@ -211,6 +218,9 @@ static status place(struct grains_run *x) {
     const struct setup *s = x->base.setup;
     struct grain_start *p = &x->placed;
     status e = grain_start_make(s, x->models, &x->box, &x->start, p);
+    if (!e && !p->from_cloud && x->box.shear != 0 && s->start.t != 0)
+        e = dict_fail(x->models->properties, "shearRate",
+                      "grains of a sheared box are put in place at time 0, not at %s", s->start.name);
     if (!e) {
         e = grains_make(&x->box, &x->law, p->n, (const double(*)[3])p->x, (const double(*)[3])p->u, s->start.t,
                         &x->grains);
@@ -271,8 +281,8 @@ static status medium_start(struct medium *m) {
     grains_start_drop(&x->start);
     x->table.start = grains_totals(x->grains, &x->box, x->law.mass);
     x->last = x->table.start.counts;
-    if (x->box.facets) { /* the start's own: the grains' go on */
-        const long walls = x->box.facets->space.walls;
+    if (x->table.start.impulse) { /* the start's own: the grains' go on */
+        const long walls = x->box.facets ? x->box.facets->space.walls : 1;
         double(*impulse)[3];
         TRY(pool_take(&x->pool, &impulse, walls, sizeof *impulse, "walls"));
         memcpy(impulse, x->table.start.impulse, (size_t)walls * sizeof *impulse);
@@ -440,7 +450,7 @@ static status check_collapse(struct grains_run *x, const struct grain_counts *no
 
 /* Returns kinetic, potential and lost energy less what they were when counting began, relative to the latter. */
 static double imbalance(const struct grains_run *x, const struct grains_totals *p) {
-    const double all = p->kinetic + p->potential + p->counts.lost;
+    const double all = p->kinetic + p->potential + p->counts.lost - grains_work(x->grains);
     return (all - x->energy) / fmax(fabs(x->energy), p->kinetic + p->counts.lost);
 }
 

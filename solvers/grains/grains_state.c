@@ -27,6 +27,11 @@ static struct head head_of(const struct grains_state *s) {
 void grains_state_walls(const struct grain_box *b, double out[3]) {
     uint32_t sum = 2166136261u; /* FNV-1a */
     out[0] = out[1] = out[2] = 0;
+    if (b->shear != 0) {
+        out[0] = 1;
+        out[1] = b->shear;
+        out[2] = -1;
+    }
     if (!b->facets) return;
     const size_t bytes = (size_t)b->facets->space.walls * sizeof(double);
     for (size_t i = 0; i < bytes; i++) sum = (sum ^ ((const unsigned char *)b->wall_restitution)[i]) * 16777619u;

@@ -11,6 +11,7 @@ struct grains_totals grains_totals(const struct grains *g, const struct grain_bo
     double mean = 0; /* square of the mean velocity */
     for (int k = 0; k < box->dim; k++) mean += p.momentum[k] * p.momentum[k] / (all * all);
     p.T = (2 * p.kinetic / all - mean) / box->dim;
+    if (box->shear != 0) p.T = 2 * grains_thermal(g) / (all * box->dim);
     return p;
 }
 
@@ -27,6 +28,7 @@ static status write_row(FILE *f, const struct setup *s, const struct grain_box *
     for (int k = 0; k < b->dim; k++)
         if (!b->periodic[k] && !b->facets)
             fprintf(f, " %.17g %.17g", p->counts.wall_impulse[k][0], p->counts.wall_impulse[k][1]);
+    if (b->shear != 0) fprintf(f, " %.17g %.17g", p->impulse[0][0], p->impulse[0][1]);
     for (int w = 0; b->facets && w < s->mesh->npatches; w++)
         for (int k = 0; is_wall(&s->mesh->patch[w]) && k < b->dim; k++) fprintf(f, " %.17g", p->impulse[w][k]);
     return case_end_row("grains", f);
@@ -41,6 +43,7 @@ static status open_table(struct grains_table *p, const struct setup *s, const st
     for (int k = 0; k < b->dim; k++)
         if (!b->periodic[k] && !b->facets)
             fprintf(p->file, " impulse_%cLow impulse_%cHigh", "xyz"[s->axis[k]], "xyz"[s->axis[k]]);
+    if (b->shear != 0) fprintf(p->file, " workFlow workImpacts");
     for (int w = 0; b->facets && w < s->mesh->npatches; w++)
         for (int k = 0; is_wall(&s->mesh->patch[w]) && k < b->dim; k++)
             fprintf(p->file, " impulse_%s_%c", s->mesh->patch[w].name, "xyz"[s->axis[k]]);
