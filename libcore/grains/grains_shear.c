@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sheared periodic boxes (Lees & Edwards, J. Phys. C 5 (1972) 1921; docs/physics.md 10.2). The images of the box above
- * and below it along axis 1 move along axis 0 at +-S L, L the length of axis 1: at time t they stand at +-S L t. A
- * grain that leaves through such an end comes back as the image of itself, displaced and with another velocity.
+/* Flight in sheared periodic boxes (Lees & Edwards, J. Phys. C 5 (1972) 1921; docs/physics.md 10.2). The images of the
+ * box above and below it along axis 1 move along axis 0 at +-S L, L the length of axis 1: at time t they stand at +-S L
+ * t. A grain that leaves through such an end comes back as the image of itself, displaced and with another velocity.
  *
  * Beyond that end every cell of the last row on the other side may come by, so a grain in an end row looks at all
  * grains of that row (of a square box this is less than the work for all others), at all their images along axis 0 that

@@ -100,6 +100,7 @@ SHIPPED = {
     "segregationLinear": Row("segregationLinear", {}, ended(0.4)),
     "segregationWedge": Row("segregationWedge", {"N": 20}, ended(0.05), prepare=gas_of_wedge),
     "settlingColumn": Row("settlingColumn", {"N": 40}, ended(0.1)),
+    "shearMD": Row("shearMD", {"L": 20, "N": 8}, ended(10), [("0.orig/U", "y - 20", "y - 10")]),
     "sod": Row("sod", {"N": 200}, ended(0.2)),
     "sphere3D": Row("sphere3D", {"N": 8}, ended(0.2)),
     "vibratedLayer": Row("vibratedLayer", {"N": 300}, ended(0.002)),
