@@ -86,6 +86,12 @@ static status fill(struct coarse *c, const struct coarse_grid *grid) {
         c->cells *= grid->n[k];
         c->per[k] = 1 / grid->h[k];
     }
+    if (grid->mesh) {
+        c->cells = grid->mesh->cells;
+        if (grid->kernel != COARSE_CELL)
+            return fail(ERR_INPUT,
+                        "on a mesh of other cells than equal boxes, fields are means over cells: kernel cell");
+    }
     TRY(allocate(&c->sums, coarse_size(c), sizeof(double), "sums of the grains"));
     return grid->kernel == COARSE_CELL ? allocate(&c->shares, 1, sizeof *c->shares, "a kernel") : make_reach(c);
 }
@@ -145,6 +151,8 @@ static inline long fold(const struct coarse *c, int k, int i) {
 
 static inline long cell_of(const struct coarse *c, const double x[3]) {
     long cell = 0;
+    bool inside;
+    if (c->grid.mesh) return c->grid.mesh->locate(c->grid.mesh, x, &inside);
     for (int k = 0; k < c->grid.dim; k++) cell += fold(c, k, below((x[k] - c->grid.low[k]) * c->per[k]));
     return cell;
 }
@@ -294,7 +302,12 @@ void coarse_contacts(struct coarse *c, long n, const struct coarse_contact *cont
 /* Adds an impact with the kernel COARSE_CELL. Where both ends of the branch lie in one cell, so does the middle. */
 static void observe_in_cells(struct coarse *c, const struct grain_impact *i, double branch) {
     long cell[3] = {0};
-    for (int k = 0; k < c->grid.dim; k++) {
+    for (int point = 0; point < 3 && c->grid.mesh; point++) {
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = i->x[0][k] + 0.5 * point * branch * i->normal[k];
+        cell[point] = cell_of(c, x);
+    }
+    for (int k = 0; k < c->grid.dim && !c->grid.mesh; k++) {
         const double from = (i->x[0][k] - c->grid.low[k]) * c->per[k], by = branch * i->normal[k] * c->per[k];
         for (int point = 0; point < 3; point++) cell[point] += fold(c, k, below(from + 0.5 * point * by));
     }
@@ -340,9 +353,10 @@ void coarse_value(const struct coarse *c, double tau, enum coarse_field f, doubl
     const struct coarse_grid *g = &c->grid;
     const double samples = c->sums[c->cells * c->size], d = g->diameter;
     const double grain_volume = acos(-1) * (g->dim == 2 ? d * d / 4 : d * d * d / 6);
-    double volume = 1;
-    for (int k = 0; k < g->dim; k++) volume *= g->h[k];
+    double box = 1;
+    for (int k = 0; k < g->dim; k++) box *= g->h[k];
     for (long i = 0; i < c->cells; i++) {
+        const double volume = g->mesh ? g->mesh->volume[i] : box;
         const double *sum = c->sums + c->size * i;
         const double number = samples > 0 ? sum[SHARE] / (samples * volume) : 0;
         double deviation = 0;

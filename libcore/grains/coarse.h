@@ -17,6 +17,7 @@
 #ifndef LIBCORE_COARSE_H
 #define LIBCORE_COARSE_H
 
+#include "libcore/grains/grain_mesh.h"
 #include "libcore/grains/grains.h"
 
 enum coarse_kernel {
@@ -32,6 +33,7 @@ struct coarse_grid {
     enum coarse_kernel kernel;
     double width;          /* m, at most the longest side of the grid */
     double mass, diameter; /* kg, m: of a grain */
+    const struct grain_mesh *mesh; /* its cells stand in place of those of the grid, with COARSE_CELL; NULL: no */
     bool rough; /* are spins and the whole stress of contacts summed, too? For coarse_rough, coarse_contact */
 };
 enum coarse_field {
@@ -48,7 +50,8 @@ enum coarse_field {
 };
 
 struct coarse; /* the sums; it is a grain_observer of the impacts */
-/* Fails with ERR_INPUT on a width that is not positive or too large, and on a kernel of more than 2^24 cells. */
+/* Fails with ERR_INPUT on a width that is not positive or too large, on a kernel of more than 2^24 cells, and
+ * on another kernel than COARSE_CELL with a mesh. */
 status coarse_make(const struct coarse_grid *grid, struct coarse **out);
 void coarse_free(struct coarse *c);
 struct grain_observer *coarse_observer(struct coarse *c);

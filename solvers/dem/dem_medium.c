@@ -264,8 +264,8 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     TRY(allocate(&out->spin, now->n, sizeof *out->spin, "spins of grains"));
     out->diameter = r->law.diameter;
     for (int i = 0; i < now->n; i++) {
-        const long at = grains_box_cell(s->lattice, now->x[i]);
-        out->cell[i] = s->lattice->cell[at] < 0 ? 0 : s->lattice->cell[at];
+        const long cell = grains_box_cell(s, NULL, now->x[i]);
+        out->cell[i] = cell < 0 ? 0 : (int)cell;
         out->id[i] = now->id[i] - 1;
         grains_box_place(s, now->x[i], out->x[i]);
         for (int k = 0; k < 3; k++) {
