@@ -43,8 +43,11 @@ bool gas_may_be_dense(const struct gas_models *m) {
 }
 
 static status make_kept(const struct gas *g, struct dense *d) {
-    const long lines = 1 + d->sides * bed_tensors(g->components);
     if (!d->bed.rub) return OK;
+    double sides = d->sides;
+    comm_max(g->comm, &sides, 1);
+    d->sides = (int)sides;
+    const long lines = 1 + d->sides * bed_tensors(g->components);
     TRY(allocate(&d->kept, d->blocks, sizeof *d->kept, "friction"));
     TRY(allocate(&d->kept[0], d->blocks * lines * g->size, sizeof(double), "friction"));
     for (int b = 1; b < d->blocks; b++) d->kept[b] = d->kept[0] + b * lines * g->size;
@@ -83,7 +86,7 @@ status dense_make(struct gas *g) {
         d->part[b] = d->part[0] + b * g->size;
     }
     TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
-    TRY(g->engine->bed.make(g));
+    TRY(comm_agree(g->comm, g->engine->bed.make(g)));
     return make_kept(g, d);
 }
 

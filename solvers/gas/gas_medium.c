@@ -4,7 +4,6 @@
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
 #include "solvers/gas/quantities.h"
-#include "solvers/gas/rest.h"
 #include "solvers/gas/scales.h"
 #include "solvers/gas/uniform.h"
 #include "solvers/output/report.h"
@@ -32,6 +31,7 @@ struct gas_state {
     struct gas_view view; /* what function objects see */
     struct gas_fields fields;
     struct limiter_table limiter;
+    struct friction_files friction;
     struct gas_speed speed;      /* wave speeds of the last plan */
     double fall;                 /* s: the longest step that gravity allows; HUGE_VAL: any */
     struct first_total first[2]; /* mass and energy at the start of the case */
@@ -191,6 +191,7 @@ static status gas_start(struct medium *m) {
     TRY(rest_lay(s, models, g->gas, &g->unknown));
     TRY(comm_agree(s->comm, initial_set(g->initial, s->grid, g->gas)));
     TRY(comm_agree(s->comm, limiter_resume(&g->limiter, s, g->gas)));
+    TRY(comm_agree(s->comm, friction_resume(&g->friction, s, g->gas)));
     g->counts = gas_counts(g->gas);
     TRY(comm_agree(s->comm, gas_check(g->gas)));
     initial_drop_cells(g->initial);
@@ -205,6 +206,7 @@ static status gas_start(struct medium *m) {
 static void gas_medium_free(struct medium *m) {
     struct gas_state *g = of(m);
     limiter_close(&g->limiter);
+    friction_files_free(&g->friction);
     gas_view_free(&g->view);
     gas_free(g->gas);
     initial_free(g->initial);
@@ -235,6 +237,8 @@ static void gas_describe(const struct medium *m, FILE *f) {
         fprintf(f,
                 "    the start is gone: if it was a settledLayer, gas rests to the error of the scheme only (keep its "
                 "time folder)\n");
+    if (of(m)->friction.lost)
+        fprintf(f, "    friction starts without stress: time %s has no %s\n", s->start.name, of(m)->friction.name[0]);
 }
 
 static void gas_provenance(const struct medium *m, struct sink *o) {
@@ -537,6 +541,10 @@ static status gas_save(const struct medium *m, const char *folder, const char *l
     return limiter_save(of(m)->gas, folder, location, sums);
 }
 
+static status gas_keep(const struct medium *m, const struct field_writer *w, struct checksums *sums) {
+    return friction_save(&of(m)->friction, m->setup, of(m)->gas, w, sums);
+}
+
 static const struct patch_field *gas_patch(const struct medium *m, int quantity, int p) {
     static const enum field_id id[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P};
     const struct initial *i = of(m)->initial;
@@ -701,4 +709,5 @@ const struct medium_type gas_medium = {
     .crossings = gas_crossings,
     .budget = gas_medium_budget,
     .save = gas_save,
+    .keep = gas_keep,
 };

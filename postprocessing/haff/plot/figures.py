@@ -35,6 +35,7 @@ NAMES = {  # name of a field: what it is, its symbol, its colours
     "phi": ("fraction of small grains", r"$\phi$", "cividis"),
     "vorticity": ("vorticity", r"$\omega$", "viridis"),
     "gradAlpha": ("gradient of the packing", r"$\nabla\alpha$", "viridis"),
+    "stressRatio": ("friction: shear stress over pressure", r"$|\tau|/p$", "magma"),
     "Kn": ("Knudsen number", "Kn", "magma"),
     "limited": ("limited faces", "limited faces", "magma"),
 }
