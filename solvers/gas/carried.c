@@ -64,6 +64,10 @@ status carried_check(const struct case_models *m) {
                          c->name);
     }
     const struct acoustics *a = m->gas.acoustics;
+    if (m->gas.ncarried > 0 && gas_rubs(&m->gas))
+        return dict_fail(m->properties, "carried",
+                         "friction acts in implicit acoustics, which carry no quantities yet; say  friction { type "
+                         "none; }  or leave `carried` out");
     if (m->gas.ncarried == 0 || !a->implicit || a->automatic) return OK;
     return dict_fail(m->properties, "carried",
                      "implicit acoustics carry no quantities yet; say  acoustics { type explicit; }  in "
