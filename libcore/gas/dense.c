@@ -311,7 +311,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
     d->failed = bed_step(&d->bed, dt, d->kick, &done);
     if (d->failed || !done) return false;
-    d->refused = damps(g, dt) && g->models.acoustics->automatic && !d->bed.rub;
+    d->refused = !d->bed.rub && damps(g, dt) && g->models.acoustics->automatic; /* friction acts in beds alone */
     if (d->refused) return false;
     double bad = (double)dense_put(g, to);
     comm_max(g->comm, &bad, 1);
