@@ -546,6 +546,24 @@ static void test_a_layer_slides_on_a_smooth_floor(void **state) {
     box_free(&x);
 }
 
+/* A step of more than 1000 stages is not made, and ends soon also where pressures are beyond all bounds. */
+static void test_too_long_steps_fail(void **state) {
+    (void)state;
+    const double none[MAX_DIM] = {0};
+    for (int k = 0; k < 2; k++) {
+        struct box x;
+        bool done = true;
+        struct box_form f = SHAKEN[0];
+        f.friction = law("muI", 0.38);
+        make(&x, &f);
+        set_shaken(&x, 3);
+        if (k == 1) x.bed.set.pressure[5] = HUGE_VAL;
+        ok(bed_step(&x.bed, k == 0 ? 1e4 : 0.2, none, &done));
+        assert_false(done);
+        box_free(&x);
+    }
+}
+
 /* Sets a bed of many like layers to the same random state as one of the first `cells` alone, which moves along some
  * axes. */
 static void set_layers(struct box *x, int cells, int axes, unsigned seed) {
@@ -633,6 +651,7 @@ int main(void) {
         cmocka_unit_test(test_sheared_gas_has_the_yield_stress),
         cmocka_unit_test(test_stress_falls_to_the_yield_stress),
         cmocka_unit_test(test_momentum_and_energy),
+        cmocka_unit_test(test_too_long_steps_fail),
         cmocka_unit_test(test_missing_axes),
         cmocka_unit_test(test_a_layer_rests_below_the_angle),
         cmocka_unit_test(test_triangles_rest_below_the_angle),
