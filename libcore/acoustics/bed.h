@@ -144,6 +144,7 @@ struct bed {
     struct acoustics_params params;
     int dim, components; /* solved axes; components of the velocity, which may be more: those are carried along */
     double limit;        /* kg/m^3: densities stay below it */
+    bool carries;        /* does kept[0] get the flux of mass of BED_INNER, too, on all ranks? */
     struct friction_use friction;
 
     struct bed_set *home; /* the cells of this rank's mesh, which the caller lists */

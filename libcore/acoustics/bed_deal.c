@@ -392,6 +392,7 @@ static void move_all(const struct bed *b, struct bed_set *s, const int *face, bo
             const int f = face ? face[i] : i;
             if (b->rub) at = move_friction(b, s, f, results, at, out);
             for (int side = 0; side < 2 && s->balanced && !results; side++) at = move(s->balance[side] + f, 1, at, out);
+            if (b->carries && results) at = move(s->kept[0] + f, 1, at, out);
             if (s->kind[f] == BED_INNER) continue;
             if (!results) at = move(s->holds + f, 1, at, out);
             for (int v = 0; v <= last && !results; v++) at = move(s->outside[v] + f, 1, at, out);
@@ -429,7 +430,7 @@ void bed_deal_results(struct bed *b) {
     move_all(b, &b->set, NULL, true, d->message_out, true);
     send(b, d->message_out,
          &(struct per){{[CELLS] = variables + friction.of[CELLS],
-                        [FACES] = friction.of[FACES],
+                        [FACES] = friction.of[FACES] + b->carries,
                         [OUTER] = variables,
                         [BLOCKS] = RESULTS}},
          true);

@@ -26,13 +26,14 @@
 static const double SAFE = 1.2, SAFE_SKEW = 1.6;
 /* |RKC's polynomial| is at most 1/DAMPED from the rate on at which it stops to fall. */
 static const double DAMPED = 10;
-/* A cell's matrix of least squares gains that part of its trace, for cells with neighbours along one axis alone. */
+/* A cell's matrix of least squares gains a = ALONE times its trace, for cells with neighbours along one axis alone. Its
+ * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */
 static const double ALONE = 1e-9;
 
 /* The cohesion of the surface ends so many cells below it. */
 static const double DEPTH = 2;
 /* Cells denser than this part of packing have it. In thinner gas it would be stiff. */
-static const double HALF = 0.5;
+static const double HALF = 0.1;
 enum { TENSOR = 6, LINES = 3 };
 
 struct bed_friction {
@@ -200,18 +201,22 @@ static double weight_of(const struct bed *b, const struct bed_side *s, int acros
 }
 
 static void invert(int dim, double A[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_DIM]) {
-    double trace = 0;
-    for (int k = 0; k < dim; k++) trace += A[k][k];
-    for (int k = 0; k < dim; k++) A[k][k] += ALONE * trace;
-    for (int k = dim; k < 3; k++) A[k][k] = 1;
+    double more = 0, B[MAX_DIM][MAX_DIM];
+    for (int k = 0; k < dim; k++) more += ALONE * A[k][k];
+    for (int k = 0; k < 3; k++) A[k][k] = k < dim ? A[k][k] + more : 1;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             const int p = (i + 1) % 3, q = (i + 2) % 3, u = (j + 1) % 3, w = (j + 2) % 3;
-            out[j][i] = A[p][u] * A[q][w] - A[p][w] * A[q][u];
+            B[j][i] = A[p][u] * A[q][w] - A[p][w] * A[q][u];
         }
-    const double determinant = A[0][0] * out[0][0] + A[0][1] * out[1][0] + A[0][2] * out[2][0];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) out[i][j] = determinant > 0 ? out[i][j] / determinant : 0;
+    const double determinant = A[0][0] * B[0][0] + A[0][1] * B[1][0] + A[0][2] * B[2][0];
+    const double per = determinant > 0 ? 1 / determinant : 0;
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++) {
+            double square = 0;
+            for (int k = 0; k < dim; k++) square += B[i][k] * B[k][j];
+            out[i][j] = per * (B[i][j] + more * per * square);
+        }
 }
 
 static void fit_cell(const struct bed *b, int i) {

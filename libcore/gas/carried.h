@@ -36,9 +36,11 @@ struct carried {
      * mass in the attempt so far (kg; on a lattice per area); P and K of the quantity in hand */
     long faces;
     double **flux, **mass, **exchange, **spread;
-    double **slope; /* [blocks][1 + dim] lines of cells: phi_f is phi + line 0 + slopes * way to the face */
-    /* [blocks][size], with a layer of ghosts: rho, the mean over the step; D; f; rho T. NULL without terms */
-    double **rho, **D, **f, **stress;
+    double *
+        *slope; /* [blocks][1 + dim] lines of cells, of the engine: phi_f is phi + line 0 + slopes * way to the face */
+    /* [blocks][size], with a layer of ghosts: rho, the less of before and behind the step; D; f. NULL without terms.
+     * rho T and its slope along `up`; NULL unless a kind asks for it */
+    double **rho, **D, **f, **stress, **rise;
     bool clear; /* are exchange and spread 0? */
 };
 
@@ -49,17 +51,26 @@ struct carried_part {       /* of a step, which is cut into equal parts */
 struct carried_hooks {             /* of an engine */
     status (*make)(struct gas *g); /* makes the lines over faces and `slope`, and sets `faces` */
     void (*free)(struct gas *g);
+    /* Sets the mass through the faces of the bed, but kept ones, to what it exchanged over dt. */
+    void (*bed)(struct gas *g, double dt);
     /* Fills the ghosts of a line of cells, beyond patches with the values of the cells. Collective. */
     void (*fill)(struct gas *g, double **line);
     /* Fills the ghosts of phi, beyond patches with its value on the patch. Collective. */
     void (*fill_phi)(struct gas *g, const struct carried_quantity *q);
-    void (*slope)(struct gas *g, double **line, double **out); /* the slope of a filled line along g->carried->up */
-    void (*terms)(struct gas *g, double dt);                   /* computes P and K of filled lines rho, D and f */
-    /* Finds in all cells the largest of out/(rho V) before the step, and with the less of both densities. */
-    void (*most_out)(const struct gas *g, double most[2]);
+    void (*rise)(struct gas *g);             /* computes g->carried->rise of the filled line `stress` */
+    void (*terms)(struct gas *g, double dt); /* computes P and K of filled lines rho, D and f */
+    /* Returns the largest over the cells of this rank of what carried_share says. */
+    double (*most_out)(const struct gas *g);
     void (*slopes)(struct gas *g, const struct carried_quantity *q, struct carried_part part); /* with their ghosts */
     void (*move)(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 };
+
+/* Into how many parts must a step be cut in which `out` leaves a cell, whose mass goes from `before` to `now` in equal
+ * steps? At the begin of each part the cell must have at least out/parts; so it has, if the first and the last do. */
+static inline double carried_share(double out, double before, double now) {
+    const double first = out / before, last = (out - (before - now)) / now;
+    return first > last ? first : last;
+}
 
 status carried_make(struct gas *g);
 void carried_free(struct gas *g);

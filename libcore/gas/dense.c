@@ -43,8 +43,11 @@ bool gas_may_be_dense(const struct gas_models *m) {
 }
 
 static status make_kept(const struct gas *g, struct dense *d) {
-    const long lines = 1 + d->sides * bed_tensors(g->components);
     if (!d->bed.rub) return OK;
+    double sides = d->sides;
+    comm_max(g->comm, &sides, 1);
+    d->sides = (int)sides;
+    const long lines = 1 + d->sides * bed_tensors(g->components);
     TRY(allocate(&d->kept, d->blocks, sizeof *d->kept, "friction"));
     TRY(allocate(&d->kept[0], d->blocks * lines * g->size, sizeof(double), "friction"));
     for (int b = 1; b < d->blocks; b++) d->kept[b] = d->kept[0] + b * lines * g->size;
@@ -54,8 +57,7 @@ static status make_kept(const struct gas *g, struct dense *d) {
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
     if (!gas_may_be_dense(m) || !g->engine->bed.make) return OK;
-    /* beds cannot be given mass, and do not say what mass crosses their faces */
-    if (((g->patches.fed && !gas_rubs(m)) || m->ncarried > 0) && m->acoustics->automatic) return OK;
+    if (g->patches.fed && !gas_rubs(m) && m->acoustics->automatic) return OK; /* beds cannot be given mass */
     TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
     struct dense *d = g->dense;
     d->bed = (struct bed){.eos = m->eos,
@@ -64,7 +66,8 @@ status dense_make(struct gas *g) {
                           .params = acoustics_params(&m->acoustics_params),
                           .dim = g->dim,
                           .components = g->components,
-                          .limit = g->limits.most};
+                          .limit = g->limits.most,
+                          .carries = m->ncarried > 0};
     if (gas_rubs(m))
         d->bed.friction = (struct friction_use){m->friction, m->friction_params,
                                                 m->material.diameter / sqrt(packing_per_density(&m->material))};
@@ -83,7 +86,7 @@ status dense_make(struct gas *g) {
         d->part[b] = d->part[0] + b * g->size;
     }
     TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
-    TRY(g->engine->bed.make(g));
+    TRY(comm_agree(g->comm, g->engine->bed.make(g)));
     return make_kept(g, d);
 }
 

@@ -9,7 +9,7 @@
 #include "libcore/gas/carried.h"
 #include "libcore/gas/tally.h"
 
-enum { SLACK = 16 }; /* doubles behind every block: the last line is read in whole vectors */
+enum { SLACK = 32 }; /* doubles behind every block: the last line is read in whole vectors, or batches of lanes */
 
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;

@@ -273,11 +273,12 @@ void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int
 /* Carried quantities (libcore/lattice/tiles_carried.c): the hooks of libcore/gas/carried.h. */
 status tiles_carried_make(struct gas *g);
 void tiles_carried_free(struct gas *g);
+void tiles_carried_bed(struct gas *g, double dt);
 void tiles_carried_fill(struct gas *g, double **line);
 void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
-void tiles_carried_slope(struct gas *g, double **line, double **out);
+void tiles_carried_rise(struct gas *g);
 void tiles_carried_terms(struct gas *g, double dt);
-void tiles_carried_most_out(const struct gas *g, double most[2]);
+double tiles_carried_most_out(const struct gas *g);
 void tiles_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 void tiles_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 /* Give all faces of a tile the flux of mass of its background, before a stage of it; then note those below and above n

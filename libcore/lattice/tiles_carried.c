@@ -39,6 +39,19 @@ void tiles_carry(struct gas *g, int tile, int axis, long offset, int n, const do
     memcpy(to + g->forest->stride[axis], high, (size_t)n * sizeof *to);
 }
 
+void tiles_carried_bed(struct gas *g, double dt) {
+    const struct bed_set *bed = g->dense->bed.home;
+    const struct forest *f = g->forest;
+    for (int r = 0, cell = 0; r < g->dense->rows; r++)
+        for (long at = g->dense->row[r].at; at < g->dense->row[r].at + g->dense->row[r].n; at++, cell++)
+            for (int side = 0; side < 2 * g->dim; side++) {
+                const int entry = bed->face_of_cell[2 * g->dim * cell + side], face = entry < 0 ? ~entry : entry;
+                const long above = side % 2 ? f->stride[side / 2] : 0;
+                double *mass = g->carried->mass[g->dense->row[r].block] + side / 2 * f->size + at + above;
+                if (bed->kind[face] != BED_KEPT) *mass = dt * bed->kept[0][face];
+            }
+}
+
 /* ---- ghosts ---- */
 
 static void copy_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
@@ -80,14 +93,28 @@ void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q) {
 
 /* ---- P and K ---- */
 
-void tiles_carried_slope(struct gas *g, double **line, double **out) {
+/* Beyond patches the stress goes on with the slope inside, so that a cell there has that slope. */
+static void stress_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    double *line = g->carried->stress[tile];
+    const long inward = e->from - e->to;
+    (void)context;
+    for (int i = 0; i < e->n; i++) {
+        const long at = e->from + i * e->step;
+        line[at - inward] = 2 * line[at] - line[at + inward];
+    }
+}
+
+void tiles_carried_rise(struct gas *g) {
     const struct forest *f = g->forest;
     for (int t = 0; t < f->ntiles; t++) {
-        memset(out[t], 0, (size_t)f->size * sizeof(double));
+        edges_visit(g, t, stress_edge, NULL);
+        const double *stress = g->carried->stress[t];
+        double *rise = g->carried->rise[t];
+        memset(rise, 0, (size_t)f->size * sizeof(double));
         for (int a = 0; a < g->dim; a++) {
             const double per = g->carried->up[a] / (2 * f->width[a]);
-            for (long i = f->first - f->stride[a]; i < f->size - f->stride[a]; i++)
-                if (i >= f->stride[a]) out[t][i] += per * (line[t][i + f->stride[a]] - line[t][i - f->stride[a]]);
+            for (long i = f->stride[a]; i < f->size - f->stride[a]; i++)
+                rise[i] += per * (stress[i + f->stride[a]] - stress[i - f->stride[a]]);
         }
     }
 }
@@ -154,11 +181,11 @@ KERNEL static void carried_out(int n, const struct both_faces *s, double *restri
 struct measure { /* context of out_visit */
     const struct gas *g;
     int tile;
-    double *most;
+    double most;
 };
 
 static void out_visit(void *measure, long offset, int n) {
-    const struct measure *m = measure;
+    struct measure *m = measure;
     const struct gas *g = m->g;
     const double *before = g->V.block[m->tile] + offset, *now = g->U.block[m->tile] + offset;
     double out[BATCH] = {0};
@@ -166,15 +193,14 @@ static void out_visit(void *measure, long offset, int n) {
         const struct both_faces s = both_faces_of(g, m->tile, a, offset);
         carried_out(n, &s, out);
     }
-    for (int i = 0; i < n; i++) {
-        m->most[0] = larger(m->most[0], out[i] / before[i]);
-        m->most[1] = larger(m->most[1], out[i] / smaller(before[i], now[i]));
-    }
+    for (int i = 0; i < n; i++) m->most = larger(m->most, carried_share(out[i], before[i], now[i]));
 }
 
-void tiles_carried_most_out(const struct gas *g, double most[2]) {
-    for (int t = 0; t < g->forest->ntiles; t++)
-        runs_visit(g->forest, &g->forest->tile[t], 0, out_visit, &(struct measure){g, t, most});
+double tiles_carried_most_out(const struct gas *g) {
+    struct measure m = {.g = g};
+    for (m.tile = 0; m.tile < g->forest->ntiles; m.tile++)
+        runs_visit(g->forest, &g->forest->tile[m.tile], 0, out_visit, &m);
+    return m.most;
 }
 
 struct row_slopes {                 /* of a row of n cells */

@@ -6,6 +6,7 @@
 #ifndef LIBCORE_CARRIED_H
 #define LIBCORE_CARRIED_H
 
+#include "libcore/models/eos.h"
 #include "libcore/models/kernel.h"
 #include "libcore/models/param.h"
 
@@ -20,8 +21,9 @@ enum carried_terms {
 
 struct carried_line { /* n <= BATCH cells */
     int n;
-    const double *rho;   /* [n] kg/m^3, the mean over the step */
-    const double *slope; /* [n] Pa/m: d(rho T)/dd; NULL unless CARRIED_STRESS */
+    const struct material *material;
+    const double *rho, *T; /* [n] kg/m^3, m^2/s^2 */
+    const double *slope;   /* [n] Pa/m: d(rho T)/dd; NULL unless CARRIED_STRESS */
 };
 
 struct carried_kind {

@@ -194,11 +194,12 @@ void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
  * fluxes of mass of a stage. */
 status cells_carried_make(struct gas *g);
 void cells_carried_free(struct gas *g);
+void cells_carried_bed(struct gas *g, double dt);
 void cells_carried_fill(struct gas *g, double **line);
 void cells_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
-void cells_carried_slope(struct gas *g, double **line, double **out);
+void cells_carried_rise(struct gas *g);
 void cells_carried_terms(struct gas *g, double dt);
-void cells_carried_most_out(const struct gas *g, double most[2]);
+double cells_carried_most_out(const struct gas *g);
 void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 void cells_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 void cells_carry(struct gas *g);

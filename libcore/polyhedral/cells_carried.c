@@ -9,6 +9,12 @@
 /* Lines of the slopes besides those of carried.h: the least and the largest phi in a cell and around it. */
 enum { LOW = 1, HIGH, LINES };
 
+/* From a line of the slopes to the next: gradients are written in whole batches of lanes. */
+static long wide(const struct gas *g) {
+    return g->size + LANES;
+}
+_Static_assert((int)LANES <= (int)SLACK, "gradients read lines in whole batches of lanes");
+
 struct cells_carried {
     struct entries gradient;
     double *arm[2][MAX_DIM]; /* [left or right][dim][faces] m: from the centre of the cell to that of the face */
@@ -25,7 +31,7 @@ status cells_carried_make(struct gas *g) {
         TRY(allocate(lines[i][0], c->faces, sizeof(double), "carried quantities"));
     }
     TRY(allocate(&c->slope, 1, sizeof *c->slope, "carried quantities"));
-    TRY(allocate(&c->slope[0], (LINES + g->dim) * (long)m->size + LANES, sizeof(double), "carried quantities"));
+    TRY(allocate(&c->slope[0], (LINES + g->dim) * wide(g), sizeof(double), "carried quantities"));
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < g->dim; k++) {
             double **arm = &g->cells->carried->arm[side][k];
@@ -48,11 +54,20 @@ void cells_carry(struct gas *g) {
     memcpy(g->carried->flux[0], g->cells->flux[0], (size_t)g->cells->polyhedra->face.n * sizeof(double));
 }
 
+void cells_carried_bed(struct gas *g, double dt) {
+    const struct bed_set *bed = g->dense->bed.home;
+    for (int f = 0; f < bed->faces; f++) {
+        const int face = bed->shape[f];
+        if (bed->kind[f] != BED_KEPT)
+            g->carried->mass[0][face] = dt * g->cells->polyhedra->face.area[face] * bed->kept[0][f];
+    }
+}
+
 /* ---- ghosts ---- */
 
 static void fill_ghosts(const struct gas *g, int n, double *block) {
     double *line[LINES + MAX_DIM];
-    for (int i = 0; i < n; i++) line[i] = block + i * g->size;
+    for (int i = 0; i < n; i++) line[i] = block + i * wide(g);
     polyhedra_fill_start(g->cells->polyhedra, n, line);
     polyhedra_fill_finish(g->cells->polyhedra);
 }
@@ -86,16 +101,18 @@ void cells_carried_fill_phi(struct gas *g, const struct carried_quantity *q) {
 static void gradient_of(struct gas *g, double *line, double *slope) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *out[MAX_DIM];
-    for (int k = 0; k < g->dim; k++) out[k] = slope + (1 + k) * (long)m->size;
+    for (int k = 0; k < g->dim; k++) out[k] = slope + (1 + k) * wide(g);
     cells_gradients(g->dim, &g->cells->carried->gradient, 1, 0, m->nown, &line, out);
 }
 
-void cells_carried_slope(struct gas *g, double **line, double **out) {
+void cells_carried_rise(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
-    gradient_of(g, line[0], out[0]);
+    const double *slope = g->carried->slope[0];
+    double *rise = g->carried->rise[0];
+    gradient_of(g, g->carried->stress[0], g->carried->slope[0]);
     for (int i = 0; i < m->nown; i++) {
-        out[0][i] = 0;
-        for (int k = 0; k < g->dim; k++) out[0][i] += g->carried->up[k] * out[0][(1 + k) * (long)m->size + i];
+        rise[i] = 0;
+        for (int k = 0; k < g->dim; k++) rise[i] += g->carried->up[k] * slope[(1 + k) * wide(g) + i];
     }
 }
 
@@ -149,18 +166,19 @@ static double out_of(const struct seen_face *s) {
     return (larger(s->mass, 0) + s->exchange) + 2 * s->spread;
 }
 
-void cells_carried_most_out(const struct gas *g, double most[2]) {
+double cells_carried_most_out(const struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
     const double *before = g->V.block[0], *now = g->U.block[0];
+    double most = 0;
     for (int i = 0; i < m->nown; i++) {
         double out = 0;
         for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
             const struct seen_face s = look(g, j);
             out += out_of(&s);
         }
-        most[0] = larger(most[0], out / (m->volume[i] * before[i]));
-        most[1] = larger(most[1], out / (m->volume[i] * smaller(before[i], now[i])));
+        most = larger(most, carried_share(out / m->volume[i], before[i], now[i]));
     }
+    return most;
 }
 
 static double density_at(const struct gas *g, int i, double when) {
@@ -177,7 +195,7 @@ static double bounded(double theta, double d, double down, double up) {
 static double difference(const struct gas *g, int cell, int face, int side) {
     const double *slope = g->carried->slope[0];
     double sum = slope[cell];
-    for (int k = 0; k < g->dim; k++) sum += slope[(1 + k) * g->size + cell] * g->cells->carried->arm[side][k][face];
+    for (int k = 0; k < g->dim; k++) sum += slope[(1 + k) * wide(g) + cell] * g->cells->carried->arm[side][k][face];
     return sum;
 }
 
@@ -195,7 +213,7 @@ static void slopes_of_cell(struct gas *g, const double *phi, struct carried_part
         high = larger(high, phi[s.other]);
         out += part.share * out_of(&s);
         for (int k = 0; k < g->dim; k++)
-            slope[i] -= slope[(1 + k) * g->size + i] * g->cells->carried->arm[s.side][k][s.face] *
+            slope[i] -= slope[(1 + k) * wide(g) + i] * g->cells->carried->arm[s.side][k][s.face] *
                         (0.5 * part.share * s.mass / middle);
     }
     for (int j = first; j < last; j++) {
@@ -206,9 +224,9 @@ static void slopes_of_cell(struct gas *g, const double *phi, struct carried_part
     }
     const double stays = larger(mass - out, 0);
     theta = bounded(theta, -lost, stays * (low - phi[i]), stays * (high - phi[i]));
-    for (int k = 0; k <= g->dim; k++) slope[k * g->size + i] *= theta;
-    slope[(g->dim + LOW) * g->size + i] = low;
-    slope[(g->dim + HIGH) * g->size + i] = high;
+    for (int k = 0; k <= g->dim; k++) slope[k * wide(g) + i] *= theta;
+    slope[(g->dim + LOW) * wide(g) + i] = low;
+    slope[(g->dim + HIGH) * wide(g) + i] = high;
 }
 
 void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part) {
@@ -219,7 +237,7 @@ void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struc
 
 /* How much phi may change in a cell if it rises, or falls, until it is that of a cell around it. */
 static double room_of(const struct gas *g, const double *phi, int cell, bool rises) {
-    const double *bound = g->carried->slope[0] + (g->dim + (rises ? HIGH : LOW)) * g->size;
+    const double *bound = g->carried->slope[0] + (g->dim + (rises ? HIGH : LOW)) * wide(g);
     return rises ? bound[cell] - phi[cell] : phi[cell] - bound[cell];
 }
 
@@ -235,7 +253,7 @@ static double jump_across(const struct gas *g, const double *phi, int face) {
     if (face >= m->face.ninternal) return jump;
     for (int k = 0; k < g->dim; k++) {
         const double way = x->arm[0][k][face] - x->arm[1][k][face] - distance * m->face.normal[k][face];
-        along += 0.5 * (slope[(1 + k) * g->size + l] + slope[(1 + k) * g->size + r]) * way;
+        along += 0.5 * (slope[(1 + k) * wide(g) + l] + slope[(1 + k) * wide(g) + r]) * way;
     }
     const bool rises = along > 0; /* of the right cell: it gains */
     const double room = smaller(room_of(g, phi, r, rises), room_of(g, phi, l, !rises));

@@ -1,8 +1,187 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Carried quantities as a part of a step: the mass that its stages bring through the faces is summed up. When the step
- * stands, gas_step moves the quantities by it (libcore/gas/carried.h). */
+/* Carried quantities on any mesh (libcore/gas/carried.h), and as a part of a step: the mass that its stages bring
+ * through the faces is summed up. When the step stands, gas_step moves the quantities by it. */
 #include "libcore/gas/carried.h"
+
 #include "libcore/step/step_parts.h"
+
+#include <stdlib.h>
+
+enum { MOST_PARTS = 1000000 };        /* a step may be cut into */
+static const double FULL = 1 - 1e-12; /* of a cell's mass may leave it in a part of a step: round-off stays behind */
+
+static status make_quantities(struct gas *g) {
+    struct carried *c = g->carried;
+    TRY(allocate(&c->quantity, c->n, sizeof *c->quantity, "carried quantities"));
+    for (int i = 0; i < c->n; i++) {
+        struct carried_quantity *q = &c->quantity[i];
+        q->choice = g->models.carried[i];
+        q->terms = q->choice.kind->terms(&q->choice.params);
+        c->terms |= q->terms;
+        TRY(allocate(&q->rule, g->patches.n, sizeof *q->rule, "carried quantities"));
+        for (int p = 0; p < g->patches.n; p++) q->rule[p] = &g->patches.rules[p].carried[i];
+        TRY(line_make(g, &q->phi));
+    }
+    return OK;
+}
+
+static status make(struct gas *g) {
+    struct carried *c = g->carried;
+    const double *gravity = g->models.source.gravity;
+    double square = 0;
+    for (int k = 0; k < g->dim; k++) square += gravity[k] * gravity[k];
+    for (int k = 0; k < g->dim && square > 0; k++) c->up[k] = -gravity[k] / sqrt(square);
+    TRY(make_quantities(g));
+    c->clear = true;
+    if (c->terms) {
+        TRY(line_make(g, &c->rho));
+        TRY(line_make(g, &c->D));
+        TRY(line_make(g, &c->f));
+    }
+    if (c->terms & CARRIED_STRESS) {
+        TRY(line_make(g, &c->stress));
+        TRY(line_make(g, &c->rise));
+    }
+    return g->engine->carried.make(g);
+}
+
+status carried_make(struct gas *g) {
+    if (g->models.ncarried == 0) return OK;
+    TRY(allocate(&g->carried, 1, sizeof *g->carried, "carried quantities"));
+    g->carried->n = g->models.ncarried;
+    return make(g);
+}
+
+void carried_free(struct gas *g) {
+    struct carried *c = g->carried;
+    if (!c) return;
+    for (int i = 0; i < c->n && c->quantity; i++) {
+        line_free(g, c->quantity[i].phi);
+        free(c->quantity[i].rule);
+    }
+    double **lines[] = {c->rho, c->D, c->f, c->stress, c->rise, c->flux, c->mass, c->exchange, c->spread, c->slope};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) line_free(g, lines[i]);
+    g->engine->carried.free(g);
+    free(c->quantity);
+    free(c);
+}
+
+void carried_begin(struct gas *g) {
+    for (int b = 0; b < g->blocks.n; b++) memset(g->carried->mass[b], 0, (size_t)g->carried->faces * sizeof(double));
+}
+
+void carried_keep(struct gas *g, double weight) {
+    struct carried *c = g->carried;
+    for (int b = 0; b < g->blocks.n; b++)
+        for (long i = 0; i < c->faces; i++) c->mass[b][i] += weight * c->flux[b][i];
+}
+
+/* ---- P and K ---- */
+
+/* Nothing is done: only the backgrounds of a state are written out, as cells are read. */
+static void ignore_row(void *context, const struct row *row) {
+    (void)context;
+    (void)row;
+}
+
+static void density_row(void *gas, const struct row *row) {
+    const struct gas *g = gas;
+    const double *before = g->V.block[row->block] + row->at, *now = g->U.block[row->block] + row->at;
+    double *rho = g->carried->rho[row->block] + row->at, *stress = NULL, T[BATCH];
+    for (int i = 0; i < row->n; i++) rho[i] = smaller(before[i], now[i]);
+    if (!g->carried->stress) return;
+    stress = g->carried->stress[row->block] + row->at;
+    temperature_row(g, row->n, now, T);
+    for (int i = 0; i < row->n; i++) stress[i] = now[i] * T[i];
+}
+
+struct finding { /* D and f of a quantity */
+    const struct gas *g;
+    const struct carried_quantity *q;
+};
+
+static void coefficient_row(void *finding, const struct row *row) {
+    const struct finding *x = finding;
+    const struct carried *c = x->g->carried;
+    const long at = row->at;
+    const bool sees = x->q->terms & CARRIED_STRESS;
+    double T[BATCH];
+    temperature_row(x->g, row->n, x->g->U.block[row->block] + at, T);
+    const struct carried_line line = {row->n, &x->g->models.material, c->rho[row->block] + at, T,
+                                      sees ? c->rise[row->block] + at : NULL};
+    x->q->choice.kind->coefficients(&x->q->choice.params, &line, c->D[row->block] + at, c->f[row->block] + at);
+}
+
+static void clear_terms(struct gas *g) {
+    struct carried *c = g->carried;
+    for (int b = 0; b < g->blocks.n && !c->clear; b++) {
+        memset(c->exchange[b], 0, (size_t)c->faces * sizeof(double));
+        memset(c->spread[b], 0, (size_t)c->faces * sizeof(double));
+    }
+    c->clear = true;
+}
+
+/* Finds P and K of a quantity. */
+static void find_terms(struct gas *g, const struct carried_quantity *q, double dt) {
+    struct carried *c = g->carried;
+    const struct carried_hooks *hooks = &g->engine->carried;
+    clear_terms(g);
+    if (!q->terms) return;
+    c->clear = false;
+    g->engine->state.rows(g, EVERY_CELL, NULL, coefficient_row, &(struct finding){g, q});
+    hooks->fill(g, c->D);
+    hooks->fill(g, c->f);
+    hooks->terms(g, dt);
+}
+
+/* ---- a step ---- */
+
+/* Returns into how many parts the step is cut for what P and K are now. */
+static double parts_of(struct gas *g) {
+    double most = g->engine->carried.most_out(g);
+    comm_max(g->comm, &most, 1);
+    return larger(ceil(most / FULL), 1);
+}
+
+static void move_quantity(struct gas *g, const struct carried_quantity *q, int parts) {
+    const struct carried_hooks *hooks = &g->engine->carried;
+    for (int i = 0; i < parts; i++) {
+        const struct carried_part part = {(double)i / parts, (double)(i + 1) / parts, 1. / parts};
+        hooks->fill_phi(g, q);
+        hooks->slopes(g, q, part);
+        hooks->move(g, q, part);
+    }
+}
+
+static status too_many(const struct carried_quantity *q, double t, double parts) {
+    return fail(ERR_STATE,
+                "t = %.8g: %s would take %.3g parts of this step, at most %d are taken; lower its diffusivity or its "
+                "percolation, or take wider cells",
+                t, q->choice.name, parts, MOST_PARTS);
+}
+
+status carried_move(struct gas *g, double t, double dt) {
+    struct carried *c = g->carried;
+    if (!c) return OK;
+    renew_patches(g, t + 0.5 * dt);
+    g->engine->state.rows(g, EVERY_CELL, &g->V, ignore_row, NULL);
+    g->engine->state.rows(g, EVERY_CELL, &g->U, c->terms ? density_row : ignore_row, g);
+    if (c->terms) g->engine->carried.fill(g, c->rho);
+    if (c->stress) {
+        g->engine->carried.fill(g, c->stress);
+        g->engine->carried.rise(g);
+    }
+    for (int i = 0; i < c->n; i++) {
+        const struct carried_quantity *q = &c->quantity[i];
+        find_terms(g, q, dt);
+        const double parts = parts_of(g);
+        if (!(parts <= MOST_PARTS)) return too_many(q, t, parts);
+        move_quantity(g, q, (int)parts);
+    }
+    return OK;
+}
+
+/* ---- the part of a step ---- */
 
 static bool are_carried(const struct gas *g, const struct attempt *a) {
     (void)a;
@@ -21,5 +200,11 @@ static bool carried_stage(struct gas *g, struct attempt *a, const struct stage_n
     return true;
 }
 
-const struct part carried_part = {"carried quantities", are_carried, carried_first, carried_stage, NULL,
-                                  BOOKS_ITSELF,         true};
+/* The bed has been advanced. */
+static bool carried_last(struct gas *g, struct attempt *a) {
+    if (g->step.hybrid) g->engine->carried.bed(g, a->dt);
+    return true;
+}
+
+const struct part carried_part = {"carried quantities", are_carried,  carried_first, carried_stage,
+                                  carried_last,         BOOKS_ITSELF, true};

@@ -88,6 +88,16 @@ static status count_step(struct gas *g) {
     return OK;
 }
 
+/* Makes the result of a step the state. */
+static status keep_step(struct gas *g, double t, double dt) {
+    const double clock = clock_now();
+    dense_pass(g, dt);
+    swap_states(&g->U, &g->V);
+    TRY(carried_move(g, t, dt));
+    if (g->carried) parts_add_seconds(g, &carried_part, clock_now() - clock);
+    return books_keep(g, dt);
+}
+
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
     struct attempt tried;
@@ -128,8 +138,5 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     if (g->step.slow % SLOW == 1) g->step.slow_dt[0] = *dt;
     g->step.slow_dt[1] = *dt;
     TRY(count_step(g));
-    dense_pass(g, *dt);
-    swap_states(&g->U, &g->V);
-    TRY(carried_move(g, t, *dt));
-    return books_keep(g, *dt);
+    return keep_step(g, t, *dt);
 }

@@ -2,8 +2,7 @@
 /* The table of the parts of a step, and the loop over it (step_parts.h). A further part is a row here and a file. */
 #include "libcore/step/step_parts.h"
 
-extern const struct part floors_part, friction_part, bed_part, sources_part, diffusion_part, border_part, stages_part,
-    carried_part;
+extern const struct part floors_part, friction_part, bed_part, sources_part, diffusion_part, border_part, stages_part;
 
 /* The order of docs/physics.md 7.2 and 9.2: floors begin first and end last, stages begin last and end first. */
 static const struct part *const table[] = {
@@ -28,6 +27,11 @@ long any_rank(const struct gas *g, long mine) {
     double value = (double)mine;
     comm_max(g->comm, &value, 1);
     return (long)value;
+}
+
+void parts_add_seconds(struct gas *g, const struct part *p, double seconds) {
+    for (int i = 0; i < PARTS; i++)
+        if (table[i] == p) g->counts.seconds[i] += seconds;
 }
 
 struct walk { /* through the table */

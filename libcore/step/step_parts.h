@@ -41,7 +41,10 @@ struct part {
     bool folds; /* can the last stage do its `end`, tile by tile (struct ending)? */
 };
 enum { BOOKS_ITSELF = -1 };
+extern const struct part carried_part; /* which does its work when a step stands */
 
+/* Adds seconds to those of a part: it did something outside of the loop. */
+void parts_add_seconds(struct gas *g, const struct part *p, double seconds);
 /* Tries the step from g->U to g->V; returns whether V is of use. */
 bool parts_try(struct gas *g, struct attempt *a);
 

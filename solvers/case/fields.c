@@ -18,15 +18,14 @@
 enum { PATH = 4096, TYPES = 32 };
 
 const struct field_kind field_kinds[FIELD_COUNT] = {
-    {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, "density", NULL},
-    {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, "packing fraction", NULL},
-    {"U", 3, {0, 1, -1, 0, 0, 0, 0}, "velocity", NULL},
-    {"T", 1, {0, 2, -2, 0, 0, 0, 0}, "granular temperature per unit mass", NULL},
-    {"p", 1, {1, -1, -2, 0, 0, 0, 0}, "pressure", NULL},
+    {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, "density", NULL, true},
+    {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, "packing fraction", NULL, true},
+    {"U", 3, {0, 1, -1, 0, 0, 0, 0}, "velocity", NULL, true},
+    {"T", 1, {0, 2, -2, 0, 0, 0, 0}, "granular temperature per unit mass", NULL, true},
+    {"p", 1, {1, -1, -2, 0, 0, 0, 0}, "pressure", NULL, true},
 };
 
 /* ---- keywords ---- */
-
 #define VALUE_TYPE "uniform VALUE, or nonuniform List<scalar> or List<vector>"
 static const struct param field_param[] = {
     NOTED("dimensions", "dimensions", NULL, "exponents of kg m s K mol A cd", "dimensions [0 1 -1 0 0 0 0];"),
@@ -370,7 +369,7 @@ static status read_type(struct dict *d, const struct field_kind *kind, const str
                         const struct boundary_type *type, struct patch_field *out) {
     const char *value = boundary_value(type, kind->components);
     const long nfaces = at->mesh->patch[patch].nfaces;
-    if (!kind->types) TRY(varying_read(d, kind->components, type, at->mesh, patch, &out->varying));
+    if (kind->varies) TRY(varying_read(d, kind->components, type, at->mesh, patch, &out->varying));
     if (value || type->model.nparam > 0) out->value_line = dict_line(d, value ? value : type->model.param->name);
     TRY(read_given(d, kind, nfaces, type, out));
     if (!out->varying) return OK;
@@ -606,26 +605,16 @@ static status check_patch(struct field *f, const struct field_place *place, int 
     return OK;
 }
 
-/* Checks all values by f->range. */
-static status check_values(struct field *f, const struct field_place *place) {
+status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure) {
+    const double step = cure ? 0 : HUGE_VAL;
+    f->range = (struct varying_range){nextafter(low, low - step), nextafter(high, high + step), ""};
+    snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s",
+             low, high, cure ? cure : "");
     for (long i = 0; i < field_ncells(place); i++)
         if (!(f->values[i] > f->range.low && f->values[i] < f->range.high))
             return field_fail(f, place, i, "it must %s", f->range.allowed);
     for (int p = 0; p < place->mesh->npatches; p++) TRY(check_patch(f, place, p));
     return OK;
-}
-
-status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure) {
-    f->range = (struct varying_range){.low = low, .high = high};
-    snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s",
-             low, high, cure);
-    return check_values(f, place);
-}
-
-status field_check_within(struct field *f, const struct field_place *place, double low, double high) {
-    f->range = (struct varying_range){.low = nextafter(low, -HUGE_VAL), .high = nextafter(high, HUGE_VAL)};
-    snprintf(f->range.allowed, sizeof f->range.allowed, "lie between %g and %g", low, high);
-    return check_values(f, place);
 }
 
 status field_renew(struct field *f, int patch, double t, enum status_kind kind) {

@@ -18,6 +18,7 @@ struct field_kind {
     const char *about;
     /* patch types that it takes besides empty and cyclic, ended by NULL; NULL: those of boundary.h */
     const char *const *types;
+    bool varies; /* may values of these types follow rules in time and place? */
 };
 extern const struct field_kind field_kinds[FIELD_COUNT];
 
@@ -91,11 +92,9 @@ bool field_has_expression(const struct field *f);
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out);
 
 /* Checks that every value of cells and patches lies within low .. high, both excluded, those of a table at all times.
- * The error names file, line, cell and place, and ends with the cure if there is a greatest value. */
+ * The error names file, line, cell and place, and ends with the cure if there is a greatest value. cure NULL: both ends
+ * are allowed. */
 status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure);
-
-/* The same of values from low to high, both included. */
-status field_check_within(struct field *f, const struct field_place *place, double low, double high);
 
 /* Gives a patch whose values follow a rule those of time t, and checks them; the error is of the kind given. */
 status field_renew(struct field *f, int patch, double t, enum status_kind kind);

@@ -63,11 +63,7 @@ status carried_check(const struct case_models *m) {
                          "%s percolates along gravity, and there is none: give constant/g, or choose  type passive;",
                          c->name);
     }
-    const struct acoustics *a = m->gas.acoustics;
-    if (m->gas.ncarried == 0 || !a->implicit || a->automatic) return OK;
-    return dict_fail(m->properties, "carried",
-                     "implicit acoustics carry no quantities yet; say  acoustics { type explicit; }  in "
-                     "system/fvSolution");
+    return OK;
 }
 
 void carried_list(FILE *f) {
@@ -138,10 +134,10 @@ status carried_start_read(const char *folder, const struct field_place *place, c
         const struct carried_choice *c = &models->carried[i];
         char path[TIME_PATH];
         snprintf(path, sizeof path, "%s/%s", folder, c->name);
-        s->kind[i] = (struct field_kind){c->name, 1, {0, 0, 0, 0, 0, 0, 0}, c->kind->model.about, types};
+        s->kind[i] = (struct field_kind){c->name, 1, {0, 0, 0, 0, 0, 0, 0}, c->kind->model.about, types, true};
         status e = field_exists(path) ? field_read(path, &s->kind[i], place, &s->field[i]) : missing(path, c->name);
         TRY(field_agree(place, e));
-        TRY(field_agree(place, field_check_within(s->field[i], place, c->kind->low, c->kind->high)));
+        TRY(field_agree(place, field_check_range(s->field[i], place, c->kind->low, c->kind->high, NULL)));
         s->phi[i] = s->field[i]->values;
         s->field[i]->values = NULL;
     }

@@ -88,8 +88,9 @@ static void edge_batch(const struct gas_view *v, int quantity, int patch, int n,
     }
 }
 
-void gas_carried_edge(const struct rule *rule, const struct setup *s, int n, const struct edge_face *face,
-                      double *values) {
+/* The same of a carried quantity, by its rule. */
+static void carried_edge(const struct rule *rule, const struct setup *s, int n, const struct edge_face *face,
+                         double *values) {
     for (int i = 0; i < n; i++) {
         const double inner = values[i], *U = face[i].state + 1;
         double outflow = 0;
@@ -105,8 +106,12 @@ void gas_carried_edge(const struct rule *rule, const struct setup *s, int n, con
     }
 }
 
-void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, const struct edge_face *face,
-                   double *values) {
+void gas_view_edge(const struct gas_view *v, const struct patch_rules *r, int quantity, int patch, int n,
+                   const struct edge_face *face, double *values) {
+    if (gas_carried(quantity) >= 0) {
+        carried_edge(&r->carried[gas_carried(quantity)], v->setup, n, face, values);
+        return;
+    }
     const int components = gas_quantity[quantity].components;
     if (quantity == GAS_LIMITED || (quantity >= GAS_FIELDS && quantity < GAS_CARRIED)) return; /* of cells alone */
     for (int at = 0; at < n; at += BATCH)
@@ -114,6 +119,7 @@ void gas_view_edge(const struct gas_view *v, int quantity, int patch, int n, con
 }
 
 bool gas_rules_give(const struct patch_rules *r, const struct gas_models *models, int quantity) {
+    if (gas_carried(quantity) >= 0) return rule_fixes(&r->carried[gas_carried(quantity)]);
     if (!r->velocity.type) return false;
     if (patch_is_wall(r) && quantity == GAS_T)
         return models->transport && wall_conducts(r) && r->temperature.type->temperature;

@@ -4,7 +4,6 @@
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
 #include "solvers/gas/quantities.h"
-#include "solvers/gas/rest.h"
 #include "solvers/gas/scales.h"
 #include "solvers/gas/uniform.h"
 #include "solvers/output/report.h"
@@ -32,6 +31,7 @@ struct gas_state {
     struct gas_view view; /* what function objects see */
     struct gas_fields fields;
     struct limiter_table limiter;
+    struct friction_files friction;
     struct gas_speed speed;      /* wave speeds of the last plan */
     double fall;                 /* s: the longest step that gravity allows; HUGE_VAL: any */
     struct first_total first[2]; /* mass and energy at the start of the case */
@@ -191,6 +191,7 @@ static status gas_start(struct medium *m) {
     TRY(rest_lay(s, models, g->gas, &g->unknown));
     TRY(comm_agree(s->comm, initial_set(g->initial, s->grid, g->gas)));
     TRY(comm_agree(s->comm, limiter_resume(&g->limiter, s, g->gas)));
+    TRY(comm_agree(s->comm, friction_resume(&g->friction, s, g->gas)));
     g->counts = gas_counts(g->gas);
     TRY(comm_agree(s->comm, gas_check(g->gas)));
     initial_drop_cells(g->initial);
@@ -205,6 +206,7 @@ static status gas_start(struct medium *m) {
 static void gas_medium_free(struct medium *m) {
     struct gas_state *g = of(m);
     limiter_close(&g->limiter);
+    friction_files_free(&g->friction);
     gas_view_free(&g->view);
     gas_free(g->gas);
     initial_free(g->initial);
@@ -235,6 +237,8 @@ static void gas_describe(const struct medium *m, FILE *f) {
         fprintf(f,
                 "    the start is gone: if it was a settledLayer, gas rests to the error of the scheme only (keep its "
                 "time folder)\n");
+    if (of(m)->friction.lost)
+        fprintf(f, "    friction starts without stress: time %s has no %s\n", s->start.name, of(m)->friction.name[0]);
 }
 
 static void gas_provenance(const struct medium *m, struct sink *o) {
@@ -512,17 +516,11 @@ static void gas_block(const struct medium *m, int block, int quantity, double *c
 
 static void gas_edge_values(const struct medium *m, int quantity, int patch, int n, const struct edge_face *face,
                             double *values) {
-    const int carried = gas_carried(quantity);
-    if (carried >= 0)
-        gas_carried_edge(&of(m)->initial->rules[patch].carried[carried], m->setup, n, face, values);
-    else
-        gas_view_edge(&of(m)->view, quantity, patch, n, face, values);
+    gas_view_edge(&of(m)->view, &of(m)->initial->rules[patch], quantity, patch, n, face, values);
 }
 
 static bool gas_gives(const struct medium *m, int quantity, int patch) {
-    const struct patch_rules *rules = &of(m)->initial->rules[patch];
-    if (gas_carried(quantity) >= 0) return rule_fixes(&rules->carried[gas_carried(quantity)]);
-    return gas_rules_give(rules, &of(m)->models->gas, quantity);
+    return gas_rules_give(&of(m)->initial->rules[patch], &of(m)->models->gas, quantity);
 }
 
 static bool gas_uniform(const struct medium *m, int block, int quantity, double value[3]) {
@@ -540,6 +538,10 @@ static bool gas_present(const struct medium *m, int quantity) {
 static status gas_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
     TRY(totals_save(of(m)->first, 2, folder, location, sums));
     return limiter_save(of(m)->gas, folder, location, sums);
+}
+
+static status gas_keep(const struct medium *m, const struct field_writer *w, struct checksums *sums) {
+    return friction_save(&of(m)->friction, m->setup, of(m)->gas, w, sums);
 }
 
 static const struct patch_field *gas_patch(const struct medium *m, int quantity, int p) {
@@ -706,4 +708,5 @@ const struct medium_type gas_medium = {
     .crossings = gas_crossings,
     .budget = gas_medium_budget,
     .save = gas_save,
+    .keep = gas_keep,
 };

@@ -488,7 +488,7 @@ static status read_all(struct initial_reader *r, const bool moved[3], struct ini
     TRY(check_values(r, s));
     TRY(field_agree(r->place, take_state(r, s)));
     TRY(take_conserved(r, s));
-    path_of(r, ".", folder);
+    snprintf(folder, sizeof folder, "%s/%s", r->case_dir, r->at->folder);
     TRY(carried_start_read(folder, r->place, r->models, &s->carried));
     TRY(pool_take(&s->pool, &s->rules, s->npatches, sizeof *s->rules, "boundary rules"));
     TRY(pool_take(&s->pool, &s->from, s->npatches, sizeof *s->from, "boundary rules"));

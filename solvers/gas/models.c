@@ -238,6 +238,9 @@ static void list_families(FILE *f, const char *file) {
         if (stands_in(&families[i], file)) family_list(f, &families[i]);
 }
 status models_leave(struct dict *properties) {
+    struct dict *carried;
+    TRY(dict_sub_optional(properties, "carried", &carried));
+    if (carried) dict_mark_used(carried);
     for (int i = 0; i < FAMILIES; i++)
         if (stands_in(&families[i], PROPERTIES)) TRY(family_leave(&families[i], properties));
     return OK;
@@ -458,6 +461,8 @@ void models_leave_keywords(struct keywords *k) {
                                          i == EOS ? "for granularGas and a settledLayer" : "for granularGas");
         if (stands_in(&families[i], PROPERTIES) && !families[i].list) keywords_params(k, &row, 1);
     }
+    const struct param carried = IGNORED("carried", "for granularGas");
+    keywords_params(k, &carried, 1);
 }
 
 void grain_keywords(struct keywords *k) {

@@ -46,8 +46,8 @@ status models_leave(struct dict *properties);
 /* Reads `grain` and the equation of state of constant/granularProperties alone. */
 status models_equation(struct dict *properties, struct gas_models *out);
 
-/* The quantities that the gas carries (carried.c): read `carried` of constant/granularProperties; fail where forces or
- * acoustics, which were read then, do not suit; list the kinds; print the choices; go through the keywords. */
+/* The quantities that the gas carries (carried.c): read `carried` of constant/granularProperties; fail where the
+ * forces, which were read then, do not suit; list the kinds; print the choices; go through the keywords. */
 status carried_read(struct dict *properties, struct case_models *m);
 status carried_check(const struct case_models *m);
 void carried_list(FILE *f);

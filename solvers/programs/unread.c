@@ -158,16 +158,6 @@ static bool is_aside(const char *name) {
     return strchr(".#", *name) || !strncmp(name, "README", 6) || !strncmp(name, "LICEN", 5) || !strncmp(name, "All", 3);
 }
 
-/* Is the name that of a file which is read from the folder, by this program or with it? */
-static bool is_read(const struct unread *u, enum folder folder, const char *name) {
-    for (int i = 0; i < COUNT(ours); i++)
-        if (ours[i].folder == folder && !strcmp(ours[i].name, name)) return true;
-    for (const int *q = u->fields->written; *q >= 0 && folder == START; q++)
-        if (*q >= u->usual->noffered && *q < u->fields->noffered && !strcmp(u->fields->quantity[*q].name, name))
-            return true;
-    return folder == START && !strcmp(u->application, "granularSegregation") && !strcmp(name, "phi");
-}
-
 static void join(const struct unread *u, enum folder in, const char *name, char path[PATH]) {
     if (in == ROOT)
         snprintf(path, PATH, "%.3700s/%.255s", u->dir, name);
@@ -195,6 +185,21 @@ static bool says(const char *path, const char *word, const char *name) {
     source_free(s);
     status_free(e);
     return found;
+}
+
+/* Is the name that of a file which is read from the folder, by this program or with it? */
+static bool is_read(const struct unread *u, enum folder folder, const char *name) {
+    for (int i = 0; i < COUNT(ours); i++)
+        if (ours[i].folder == folder && !strcmp(ours[i].name, name)) return true;
+    for (const int *q = u->fields->written; *q >= 0 && folder == START; q++)
+        if (*q >= u->usual->noffered && *q < u->fields->noffered && !strcmp(u->fields->quantity[*q].name, name))
+            return true;
+    if (folder == START && u->fields == u->usual) { /* a case that was not read: it may carry the field */
+        char path[PATH];
+        join(u, CONSTANT, "granularProperties", path);
+        if (says(path, name, "")) return true;
+    }
+    return folder == START && !strcmp(u->application, "granularSegregation") && !strcmp(name, "phi");
 }
 
 static bool is_included(const struct unread *u, const char *name) {

@@ -113,8 +113,8 @@ static const struct param phi_param[] = {
     NOTED("value", "uniform VALUE, or nonuniform List<scalar>", NULL, "phi on the faces of the patch",
           "value uniform 0.3;"),
 };
-const struct field_kind segregation_phi = {
-    "phi", 1, {0, 0, 0, 0, 0, 0, 0}, "concentration of the small grains", phi_types};
+const struct field_kind segregation_phi = {"phi",     1,    {0, 0, 0, 0, 0, 0, 0}, "concentration of the small grains",
+                                           phi_types, false};
 
 static status read_law(struct dict *d, const char *key, bool mixture, struct expr **out) {
     const char *text;

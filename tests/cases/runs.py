@@ -50,7 +50,7 @@ def make(path, n, end, hole=False, tables=False, types=None, viscous=False, **op
     rules += "".join(f"\n{name} cyclic" for name in (a + s for a in types or "" for s in ("Low", "High")))
     for name, values in (("rho", rho), ("p", p), ("U", u)):
         wall = "zeroGradient" if name != "U" else "noSlip" if viscous else "slip"
-        boxes.write_field(path, name, values, f'".*" {wall}\n{rules}'.strip())
+        boxes.write_field(path, name, values, f'".*" {wall}\n{rules.strip()}'.strip())
     add(path, "system/fvSchemes", "divSchemes { } gradSchemes { } laplacianSchemes { }\n")
     if viscous:
         conduct(path)

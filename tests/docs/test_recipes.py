@@ -29,6 +29,7 @@ RECIPES = {
     "A function object": (2, "centreOfMass"),
     "A law that sees the flow": (1, "Bagnold"),
     "A part of a step": (2, None),  # the log of a run shows it
+    "A carried quantity": (1, "tagged"),
 }
 TABLE_TESTS = ["models/test_eos", "models/test_transport", "models/test_source", "models/test_cooling",
                "models/test_boundary", "schemes/test_flux", "schemes/test_reconstruct"]
@@ -115,9 +116,14 @@ class Recipes(unittest.TestCase):
             runs.add(case, "system/fvSchemes", f"meshEngine {engine};\n")
             runs.add(case, "constant/granularProperties",
                      "sources (quadraticDrag); quadraticDragCoeffs { factor 0.1; }\n")
+            runs.add(case, "constant/granularProperties", "carried { mark { type tagged; } }\n")
+            boxes.DIMENSIONS["mark"] = "[0 0 0 0 0 0 0]"
+            boxes.write_field(case, "mark", np.where(at[:, 0] < 0.5, 1.0, 0.0), '"x.*" cyclic\n"y.*" zeroGradient\n"z.*" empty')
             runs.add(case, "system/controlDict", "functions { centre { type centreOfMass; } }\n")
             log = run(solver, "-case", case, cwd=self.tree)
             self.assertIn("    Coriolis force ", log[log.index("Seconds of the clock"):])
+            mark = harness.haff.Case(case).field("mark", runs.times(case)[-1])
+            self.assertTrue(0 <= mark.min() and mark.max() <= 1 and np.any((mark > 0.1) & (mark < 0.9)))
             table = os.path.join(case, "postProcessing", "centre", "0", "centreOfMass.dat")
             with open(table, encoding="utf-8") as file:
                 self.assertGreater(len(file.readlines()), 2)

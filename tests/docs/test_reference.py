@@ -34,6 +34,7 @@ TABLES = {
     "solvers/functions/functions_surfaces.c": {"dict_key(all, i)"},
     "solvers/case/varying.c": {"v->key", "key", "motion"},
     "solvers/case/version.c": {"*key", "sub", "key", "row->with.entry", "row->without.entry"},
+    "solvers/gas/carried.c": {"name", "c->name", "dict_key(all, i)"},
     "solvers/gas/gas_medium.c": {"names[polyhedral]", "names[!polyhedral]"},  # reconstruct, polyReconstruct
     "solvers/functions/functions_means.c": {"key"},
     "solvers/functions/functions_average.c": {"key", "quantity_of(f, it->field)->name"},
@@ -254,6 +255,10 @@ REFUSED = {("granularMD", "zeroGradient"), ("granularMD", "energyBudget"), ("gra
 FIELD = {"granularGas": "rho", "granularMD": "rho", "granularDEM": "rho", "granularSegregation": "phi", "gmshToCase": ""}
 DIMENSIONS = {"alpha": "[0 0 0 0 0 0 0]", "rho": "[1 -3 0 0 0 0 0]", "U": "[0 1 -1 0 0 0 0]", "T": "[0 2 -2 0 0 0 0]", "phi": "[0 0 0 0 0 0 0]"}
 JUNK = "zzzzzzzz"
+CARRIED = """FoamFile { version 2.0; format ascii; class volScalarField; object carried; }
+dimensions [0 0 0 0 0 0 0]; internalField uniform 0.5;
+boundaryField { "front|back" { type empty; } floor { type zeroGradient; } lid { type zeroGradient; } "left|right" { type cyclic; } }
+"""
 
 
 class Programs(unittest.TestCase):
@@ -326,6 +331,9 @@ class Programs(unittest.TestCase):
             for file, text in changes.items():
                 with open(os.path.join(case, file), "a", encoding="utf-8") as out:
                     out.write(text + (SPHERES if "cooling BerziVescovi;" in text else ""))
+                for name in re.findall(r"carried \{ (\w+) \{", text):
+                    with open(os.path.join(case, "0.orig", name), "w", encoding="utf-8") as out:
+                        out.write(CARRIED)
             if lid:
                 boundary = os.path.join(case, "constant", "polyMesh", "boundary")
                 with open(boundary, encoding="utf-8") as old:
@@ -367,7 +375,7 @@ class Programs(unittest.TestCase):
         entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
         for part in reversed(inside.split("/") if inside else []):
             if part == "NAME":
-                fields = "" if when in ("forces", "forceCoeffs", "fieldAverage", "writeObjects") or "/fields/" in inside else f"fields ({FIELD[program]});"
+                fields = "" if when in ("forces", "forceCoeffs", "fieldAverage", "writeObjects") or "/fields/" in inside or inside == "carried/NAME" else f"fields ({FIELD[program]});"
                 type_ = next((text for key, text in AROUND.items() if key in inside), "")
                 entries = f"{type_} {fields} {entries}"
             if part == "PATCH" and inside in ("patches/PATCH", "boundary/PATCH"):
@@ -439,7 +447,7 @@ class Programs(unittest.TestCase):
             if "0.orig/phi" in entries and row.value in ("fixedValue", "zeroGradient"):
                 entries["0.orig/U"] = "type zeroGradient;"  # beside a wall phi is noFlux
             return base, {file: f"\nboundaryField {{ {patch} {{ {entry} }} }}\n" for file, entry in entries.items()} | ALSO.get((row.files[0], row.value), {})
-        around = {"functions/NAME": "functions { added { %s } }"}.get(row.inside, row.inside and row.inside + " { %s }") or "%s"
+        around = {"functions/NAME": "functions { added { %s } }", "carried/NAME": "carried { added { %s } }"}.get(row.inside, row.inside and row.inside + " { %s }") or "%s"
         base = f"plain {example}" if example in PLAIN and row.files == ["constant/granularProperties"] else example
         anew = "#inputMode overwrite\n" if row.inside == "contact" else ""
         return base, {row.files[0]: "\n" + anew + around % row.example + "\n"}
