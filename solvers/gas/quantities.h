@@ -8,7 +8,7 @@
  * Enskog's mean free path lambda (scales.h, docs/physics.md 4.7): hydrodynamics asks for Kn << 1 (Boyd, Chen & Candler,
  * Phys. Fluids 7, 210, 1995, who take it from the gradient of the density; Goldhirsch, Annu. Rev. Fluid Mech. 35, 267,
  * 2003, for grains, where restitution sets that scale)
- *   stressRatio = |tau|/p of friction (physics 9.3)
+ *   stressRatio = |tau|/p of friction (docs/physics.md 9.3)
  *
  * Derivatives are those of grid_gradients; along axes that the mesh lacks they are 0. */
 #ifndef SOLVERS_GAS_QUANTITIES_H
