@@ -55,7 +55,7 @@ static status gas_check_control(const struct medium *m, const struct control *c)
 static status gas_read(struct setup *s) {
     struct gas_state *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
-    g->base = (struct medium){.type = &gas_medium, .setup = s, .fields = gas_medium.fields};
+    g->base = (struct medium){.type = &gas_medium, .setup = s};
     s->medium = &g->base;
     TRY(models_read(s->dir, s->dim, s->axis, &g->models));
     const struct case_models *m = g->models;
