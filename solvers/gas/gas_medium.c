@@ -269,7 +269,7 @@ static double gas_memory(const struct medium *medium) {
         const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
         const double bed =
             gas_may_be_dense(g) ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim) : 0;
-        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed) * 8;
+        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed + carried_memory(g, f->dim)) * 8;
     }
     const int dim = m->dim, degree = g->polynomial->degree, u = s->components;
     const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
@@ -282,7 +282,7 @@ static double gas_memory(const struct medium *medium) {
     const double bed = gas_may_be_dense(g)
                            ? s->mesh->ncells * 3. + faces * (2 * dim + 2) + bed_memory(dim, u, s->mesh->ncells, faces)
                            : 0;
-    return 8 * bed + s->mesh->ncells * cell +
+    return 8 * bed + s->mesh->ncells * (cell + 8 * carried_memory(g, dim)) +
            faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
                     sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
