@@ -182,9 +182,8 @@ static status prepare(struct bed *b) {
 }
 
 static status advance(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
-    find_primitives(b);
     memcpy(b->lines->first_p, b->lines->p, (size_t)b->set.cells * sizeof(double));
-    TRY(bed_rub(b, dt, gravity));
+    TRY(bed_rub(b, dt, gravity, true));
     TRY(bed_find_pressure(b, dt, gravity, done));
     if (!*done) return OK;
     const bool updated = bed_update(b, dt, gravity);
@@ -197,9 +196,15 @@ static status advance(struct bed *b, double dt, const double gravity[MAX_DIM], b
     return OK;
 }
 
-status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+status bed_ready(struct bed *b) {
     if (b->stage < BED_DEALT) TRY(prepare(b));
     bed_deal_states(b);
+    find_primitives(b);
+    return OK;
+}
+
+status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+    TRY(bed_ready(b));
     TRY(advance(b, dt, gravity, done));
     if (*done) bed_deal_results(b);
     return OK;

@@ -119,6 +119,15 @@ struct bed_set {
 
 struct bed_lines; /* the work memory */
 struct bed_friction;
+/* Gas under gravity that is so cold that it lies on the bottom of its cell, T < LYING g h, is packed there, although it
+ * fills the cell in part: it rubs from FILLS_LOW on, wholly from FILLS_HIGH on, as parts of packing. */
+#define LYING      0.2
+#define FILLS_LOW  0.1
+#define FILLS_HIGH 0.3
+static inline double lying_share(double T, double fall, double fills) { /* fall: g h; fills: rho over packing */
+    const double cold = 1 - T / (LYING * fall), full = (fills - FILLS_LOW) / (FILLS_HIGH - FILLS_LOW);
+    return fall > 0 && cold > 0 && full > 0 ? cold * (full < 1 ? full : 1) : 0;
+}
 struct friction_use { /* zeroes: there is no friction */
     const struct friction *law;
     struct friction_params params;
@@ -170,6 +179,9 @@ void bed_note_start(struct bed *b);
 /* Advances the bed by dt with the mean acceleration gravity[components]. *done: false, on all ranks, if the step must
  * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
+/* Lets friction alone act on the bed over dt, behind an explicit step; gravity as in bed_step, for the weight on faces.
+ * Sets home->U, `rubbed`, `kept` of walls and what friction keeps. Collective. */
+status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM]);
 /* After a step: sets home->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells, the
  * latter on faces that are no walls. */
 void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis);

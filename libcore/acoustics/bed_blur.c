@@ -51,17 +51,23 @@ KERNEL static void blur_loss(int n, const double *restrict rho, const double *re
 /* Finds L/V of n cells. */
 static void find_loss(const struct bed *b, double dt, const double gravity[MAX_DIM], int at, int n, double *loss) {
     const struct bed_lines *x = b->lines;
-    double u[MAX_DIM][BATCH], rho[BATCH], eps[BATCH], start[BATCH], c2[BATCH], gruneisen[BATCH], square[4][BATCH];
+    double u[MAX_DIM][BATCH], rho[BATCH], eps[BATCH], start[BATCH], c2[BATCH], gruneisen[BATCH], square[8][BATCH];
     blur_primitives(n, b->components, (const double *const *)b->set.start, at, u, rho, eps);
     b->eos->state(b->material, n, rho, eps, start, c2, gruneisen);
-    for (int i = 0; i < 4; i++) memset(square[i], 0, (size_t)n * sizeof(double));
+    for (int i = 0; i < 8; i++) memset(square[i], 0, (size_t)n * sizeof(double));
     for (int k = 0; k < b->dim; k++) {
         const double fall = dt * gravity[k];
-        double after[BATCH]; /* without friction, which takes its energy from no wave */
-        for (int i = 0; i < n; i++) after[i] = x->after[k + 1][at + i] - (b->rub ? x->rubbed[k][at + i] : 0);
+        const double *after = x->after[k + 1] + at;
+        double freely[BATCH]; /* without friction, which takes its energy from no wave */
         blur_change(n, fall, x->u[k] + at, after, square[0], square[1]);
         blur_change(n, fall, u[k], after, square[2], square[3]);
+        if (!b->rub) continue;
+        for (int i = 0; i < n; i++) freely[i] = after[i] - x->rubbed[k][at + i];
+        blur_change(n, fall, x->u[k] + at, freely, square[4], square[5]);
+        blur_change(n, fall, u[k], freely, square[6], square[7]);
     }
+    for (int j = 0; j < 4 && b->rub; j++)
+        for (int i = 0; i < n; i++) square[j][i] = smaller(square[j][i], square[j + 4][i]);
     blur_loss(n, x->rho + at, x->c + at, x->p + at, x->first_p + at, start, square, loss);
 }
 

@@ -26,11 +26,14 @@
 static const double SAFE = 1.2, SAFE_SKEW = 1.6;
 /* |RKC's polynomial| is at most 1/DAMPED from the rate on at which it stops to fall. */
 static const double DAMPED = 10;
-/* A cell's matrix of least squares gains that part of its trace, for cells with neighbours along one axis alone. */
+/* A cell's matrix of least squares gains a = ALONE times its trace, for cells with neighbours along one axis alone. Its
+ * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */
 static const double ALONE = 1e-9;
 
 /* The cohesion of the surface ends so many cells below it. */
 static const double DEPTH = 2;
+/* Cells denser than this part of packing have it. In thinner gas it would be stiff. */
+static const double HALF = 0.1;
 enum { TENSOR = 6, LINES = 3 };
 
 struct bed_friction {
@@ -42,7 +45,7 @@ struct bed_friction {
     double *stiff;                                   /* [faces] 2 th G dt */
     double *base[TENSOR], *traction[MAX_DIM];        /* [faces] th tau; tau' n in a stage */
     double *through[LINES][MAX_DIM];                 /* [faces] of walls: their traction, as gain */
-    double *part;                                    /* [faces] th */
+    double *part, *bears;                            /* [faces] th; Pa, the most that friction can bear there */
     int *face, faces;                                /* those with friction */
     double *cells, *sides, *of_faces;                /* the memory of the lines */
     struct arrays arrays;
@@ -66,7 +69,7 @@ static status make_room(const struct bed *b, struct bed_friction *r) {
     const int C = b->components;
     TRY(ARRAYS_GROW(&r->arrays, r->cells, (3 + C * (2 + LINES) + b->dim * C) * cells));
     TRY(ARRAYS_GROW(&r->arrays, r->sides, b->dim * sides));
-    TRY(ARRAYS_GROW(&r->arrays, r->of_faces, (2L + r->tensors + C + LINES * C) * s->faces));
+    TRY(ARRAYS_GROW(&r->arrays, r->of_faces, (3L + r->tensors + C + LINES * C) * s->faces));
     TRY(ARRAYS_GROW(&r->arrays, r->face, s->faces));
     double *at = cut(cut(cut(r->cells, cells, &r->share), cells, &r->p), cells, &r->held);
     for (int k = 0; k < C; k++) {
@@ -76,7 +79,7 @@ static status make_room(const struct bed *b, struct bed_friction *r) {
     }
     at = r->sides;
     for (int k = 0; k < b->dim; k++) at = cut(at, sides, &r->fit[k]);
-    at = cut(cut(r->of_faces, s->faces, &r->stiff), s->faces, &r->part);
+    at = cut(cut(cut(r->of_faces, s->faces, &r->stiff), s->faces, &r->part), s->faces, &r->bears);
     for (int i = 0; i < r->tensors; i++) at = cut(at, s->faces, &r->base[i]);
     for (int k = 0; k < C; k++) {
         at = cut(at, s->faces, &r->traction[k]);
@@ -198,18 +201,22 @@ static double weight_of(const struct bed *b, const struct bed_side *s, int acros
 }
 
 static void invert(int dim, double A[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_DIM]) {
-    double trace = 0;
-    for (int k = 0; k < dim; k++) trace += A[k][k];
-    for (int k = 0; k < dim; k++) A[k][k] += ALONE * trace;
-    for (int k = dim; k < 3; k++) A[k][k] = 1;
+    double more = 0, B[MAX_DIM][MAX_DIM];
+    for (int k = 0; k < dim; k++) more += ALONE * A[k][k];
+    for (int k = 0; k < 3; k++) A[k][k] = k < dim ? A[k][k] + more : 1;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             const int p = (i + 1) % 3, q = (i + 2) % 3, u = (j + 1) % 3, w = (j + 2) % 3;
-            out[j][i] = A[p][u] * A[q][w] - A[p][w] * A[q][u];
+            B[j][i] = A[p][u] * A[q][w] - A[p][w] * A[q][u];
         }
-    const double determinant = A[0][0] * out[0][0] + A[0][1] * out[1][0] + A[0][2] * out[2][0];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) out[i][j] = determinant > 0 ? out[i][j] / determinant : 0;
+    const double determinant = A[0][0] * B[0][0] + A[0][1] * B[1][0] + A[0][2] * B[2][0];
+    const double per = determinant > 0 ? 1 / determinant : 0;
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++) {
+            double square = 0;
+            for (int k = 0; k < dim; k++) square += B[i][k] * B[k][j];
+            out[i][j] = per * (B[i][j] + more * per * square);
+        }
 }
 
 static void fit_cell(const struct bed *b, int i) {
@@ -325,18 +332,22 @@ static struct load load_of(const struct bed *b, const struct face_view *v, const
     return out;
 }
 
-/* Returns Y of a face: s mu(I) P, and the cohesion of the surface, by which a step of one cell stands. */
-static double yield_of(const struct bed *b, const struct face_view *v, const struct load *l, double strain,
-                       const double gravity[MAX_DIM]) {
-    const struct friction_params *f = &b->friction.params;
+/* Returns the cohesion of the surface, by which a step of one cell stands. */
+static double surface_cohesion(const struct bed *b, const struct face_view *v, const struct load *l,
+                               const double gravity[MAX_DIM]) {
     const double step = l->heavy * norm_of(b, gravity) * v->depth;
+    return step > 0 ? b->friction.params.surface_cohesion * step * larger(1 - l->p / (DEPTH * step), 0) : 0;
+}
+
+/* Returns Y of a face without the cohesion of the surface: s mu(I) P. */
+static double yield_of(const struct bed *b, const struct face_view *v, const struct load *l, double strain) {
+    const struct friction_params *f = &b->friction.params;
     double mu, inertia;
     if (!(l->carried > 0)) return 0;
     inertia = 2 * strain * b->friction.grain / sqrt(l->p);
     b->friction.law->coefficient(f, 1, &inertia, &mu);
     if (b->set.kind[v->face] == BED_WALL) mu = smaller(mu, b->set.wall_friction[v->face]);
-    const double near = step > 0 && l->light > 0.5 * b->limit ? larger(1 - l->p / (DEPTH * step), 0) : 0;
-    return mu * l->carried + f->cohesion + f->surface_cohesion * step * near;
+    return mu * l->carried + f->cohesion;
 }
 
 /* Freezes th and the coefficients of all faces, with the rates of strain of the velocity at the start. */
@@ -352,7 +363,10 @@ static void freeze(const struct bed *b, double dt, const double gravity[MAX_DIM]
         const struct load l = load_of(b, &v, gravity);
         double D[TENSOR], T[TENSOR];
         strain_of(b, &v, b->lines->u, D);
-        const double Y = yield_of(b, &v, &l, size_of(b, D), gravity), c = modulus * smaller(1, l.light / b->limit);
+        const double c = modulus * smaller(1, l.light / b->limit), surface = surface_cohesion(b, &v, &l, gravity);
+        double Y = yield_of(b, &v, &l, size_of(b, D));
+        r->bears[f] = Y > 0 && l.heavy > HALF * b->limit ? Y + surface : Y;
+        if (Y > 0 && l.light > HALF * b->limit) Y += surface;
         for (int i = 0; i < r->tensors; i++) T[i] = b->set.stress[i][f] + c * D[i];
         const double size = size_of(b, T), part = !(Y > 0) ? 0 : size > Y ? Y / size : 1;
         r->part[f] = part;
@@ -369,7 +383,7 @@ static void list_faces(const struct bed *b) {
     r->faces = 0;
     for (int f = 0; f < b->set.faces; f++) {
         const int l = b->set.left[f], q = b->set.right[f];
-        r->part[f] = r->stiff[f] = 0;
+        r->part[f] = r->stiff[f] = r->bears[f] = 0;
         for (int k = 0; k < b->components; k++) {
             r->traction[k][f] = 0;
             for (int i = 0; i < LINES; i++) r->through[i][k][f] = 0;
@@ -513,7 +527,13 @@ static void find_push(const struct bed *b, double dt, const double gravity[MAX_D
         const int l = b->set.left[f], q = b->set.right[f];
         const double held = (rho[l] * r->held[l] + rho[q] * r->held[q]) / (rho[l] + rho[q]);
         b->lines->push[f] = mean_at(b, f, gain);
-        if (held > 0) b->lines->push[f] += held * (mean_at(b, f, r->drive) - fall_of_face(b, f, dt, gravity));
+        if (!(held > 0)) continue;
+        const int shape = b->set.shape[f];
+        const double lacks = held * (mean_at(b, f, r->drive) - fall_of_face(b, f, dt, gravity)),
+                     most =
+                         dt * r->bears[f] /
+                         (0.5 * (rho[l] + rho[q]) * (b->set.shapes->depth[0][shape] + b->set.shapes->depth[1][shape]));
+        b->lines->push[f] += larger(-most, smaller(lacks, most));
     }
 }
 
@@ -530,43 +550,100 @@ static void find_stress(const struct bed *b, const double gravity[MAX_DIM]) {
         const struct face_view v = view_of(b, f);
         const struct load l = load_of(b, &v, gravity);
         strain_of(b, &v, r->V, D);
-        const double Y = yield_of(b, &v, &l, size_of(b, D), gravity);
+        double Y = yield_of(b, &v, &l, size_of(b, D));
+        if (l.light > HALF * b->limit) Y += surface_cohesion(b, &v, &l, gravity);
         for (int i = 0; i < r->tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
         const double size = size_of(b, D), part = size > Y ? Y / size : 1;
         for (int i = 0; i < r->tensors; i++) b->set.stress[i][f] = part * D[i];
     }
 }
 
-static void find_state(const struct bed *b) {
+/* Returns g h of a cell, h its extent along gravity. */
+static double fall_of_cell(const struct bed *b, int i, const double gravity[MAX_DIM]) {
+    double low = 0, high = 0;
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double at = bed_along(b, b->set.shapes->arm[s.right], s.shape, gravity);
+        low = smaller(low, at);
+        high = larger(high, at);
+    }
+    return high - low;
+}
+
+static void find_state(const struct bed *b, const double gravity[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
     const int all = b->set.cells + b->set.ghosts;
+    const double per_eps = b->material->disks ? 1 : 2. / 3;
     for (int i = 0; i < b->set.cells; i++) r->p[i] = b->set.pressure[i] > 0 ? b->set.pressure[i] : b->lines->p[i];
     bed_fill(b, 1, &r->p);
     for (int at = 0; at < all; at += BATCH)
         friction_share(&b->friction.params, b->material, all - at < BATCH ? all - at : BATCH, b->lines->rho + at,
                        r->share + at);
+    for (int i = 0; i < b->set.cells; i++) {
+        const double fall = fall_of_cell(b, i, gravity), T = per_eps * b->lines->eps[i];
+        r->share[i] = larger(r->share[i], lying_share(T, fall, b->lines->rho[i] / b->limit));
+    }
+    bed_fill(b, 1, &r->share);
 }
 
-status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven) {
     struct bed_friction *r = b->rub;
     if (!r) return OK;
     TRY(comm_agree(b->comm, make_room(b, r)));
-    find_state(b);
+    find_state(b, gravity);
     list_faces(b);
     for (int i = 0; i < b->set.cells; i++) fit_cell(b, i);
-    find_drive(b, dt, gravity);
+    if (driven)
+        find_drive(b, dt, gravity);
+    else
+        for (int k = 0; k < b->components; k++)
+            memset(r->drive[k], 0, (size_t)(b->set.cells + b->set.ghosts) * sizeof(double));
     find_gradients(b, b->lines->u);
     freeze(b, dt, gravity);
     const int last = solve(b, dt, find_rate(b, dt));
     find_velocity(b, 1, r->gain[last]);
     find_gradients(b, r->V);
-    find_held(b);
-    bed_fill(b, b->components, r->gain[last]);
-    find_push(b, dt, gravity, r->gain[last]);
+    if (driven) {
+        find_held(b);
+        bed_fill(b, b->components, r->gain[last]);
+        find_push(b, dt, gravity, r->gain[last]);
+    }
     find_stress(b, gravity);
     for (int k = 0; k < b->components; k++) {
         memcpy(b->lines->rubbed[k], r->gain[last][k], (size_t)(b->set.cells + b->set.ghosts) * sizeof(double));
         memcpy(b->lines->traction[k], r->through[last][k], (size_t)b->set.faces * sizeof(double));
     }
+    return OK;
+}
+
+/* Returns the energy (J/m^3) that friction gives to a cell whose velocity it changes alone. */
+static double rub_cell(const struct bed *b, int i) {
+    const struct bed_lines *x = b->lines;
+    const int last = b->components + 1;
+    double work = 0;
+    for (int k = b->components - 1; k >= 0; k--) {
+        work += x->rubbed[k][i] * (x->u[k][i] + 0.5 * x->rubbed[k][i]);
+        b->set.U[k + 1][i] += x->rho[i] * x->rubbed[k][i];
+    }
+    work *= x->rho[i];
+    const double heat = b->friction.params.heating * larger(-work, 0);
+    b->set.U[last][i] += work + heat;
+    return work + heat;
+}
+
+status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+    const struct bed_lines *x = b->lines;
+    TRY(bed_ready(b));
+    TRY(bed_rub(b, dt, gravity, false));
+    for (int block = 0; block < b->set.blocks; block++) {
+        b->set.lift[block] = b->set.work[block] = b->set.peak[block] = b->set.rubbed[block] = 0;
+        b->set.peak_cell[block] = 0;
+        for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++)
+            b->set.rubbed[block] += b->set.shapes->volume[b->set.body[i]] * rub_cell(b, i);
+    }
+    for (int v = 0; v < b->components + 2; v++) memset(b->set.kept[v], 0, (size_t)b->set.faces * sizeof(double));
+    bed_add_tractions(b);
+    memcpy(b->set.pressure, x->p, (size_t)b->set.cells * sizeof(double));
+    bed_deal_results(b);
     return OK;
 }

@@ -95,6 +95,10 @@ status bed_halo_link(struct bed *b, const int *first, const int *number);
 /* Make room in a set for so many blocks; for its cells and ghosts, faces and entries of face_of_cell. */
 status bed_set_blocks(struct bed_set *s, int blocks);
 status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides);
+/* Readies the set for a step: lists, states and primitive variables. Collective. */
+status bed_ready(struct bed *b);
+/* Adds the tractions of walls, and their work, to the fluxes through them. */
+void bed_add_tractions(struct bed *b);
 /* bed_deal.c. On one rank these do nothing; else they are collective. */
 status bed_deal_make(struct bed *b);
 void bed_deal_free(struct bed_deal *d);

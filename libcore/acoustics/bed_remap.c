@@ -126,11 +126,17 @@ static void add_pressures(struct bed *b) {
         const double p = x->p_face[f] - (carries ? b->set.balance[b->set.left[f] < 0][f] : 0);
         for (int k = 0; k < b->dim; k++) F[k + 1][f] += p * b->set.shapes->normal[k][b->set.shape[f]];
         F[b->components + 1][f] += x->p_face[f] * x->U[f];
-        for (int k = 0; k < b->components && b->rub; k++) {
-            F[k + 1][f] -= x->traction[k][f];
-            F[b->components + 1][f] -= x->traction[k][f] * b->set.wall_speed[k][f];
-        }
     }
+}
+
+void bed_add_tractions(struct bed *b) {
+    double *const *F = b->set.kept, *const *t = b->lines->traction;
+    for (int k = 0; k < b->components && b->rub; k++)
+        for (int f = 0; f < b->set.faces; f++) {
+            if (b->set.kind[f] != BED_WALL) continue;
+            F[k + 1][f] -= t[k][f];
+            F[b->components + 1][f] -= t[k][f] * b->set.wall_speed[k][f];
+        }
 }
 
 static bool is_beside_rest(const struct bed *b, int i) {
@@ -171,5 +177,6 @@ bool bed_remap(struct bed *b, double dt) {
     for (int k = 0; k < b->dim && b->halo; k++) bed_fill(b, n, b->lines->slope[k]);
     carry(b, dt);
     add_pressures(b);
+    bed_add_tractions(b);
     return lift_beside_rest(b) && fine;
 }

@@ -127,6 +127,15 @@ static void move_cell(const struct bed *b, double dt, const double gravity[MAX_D
     }
 }
 
+/* Returns the part of p_f - P of a side that friction carries: what it gives to U, but no more than p_f - P. */
+static double carried(const struct bed *b, const struct bed_side *s, int cell, double dt) {
+    const struct bed_lines *x = b->lines;
+    const double over = x->p_face[s->face] - x->P[s->right][s->face];
+    if (!b->rub) return 0;
+    const double rubs = s->sign * x->rho[cell] * b->set.shapes->depth[s->right][s->shape] * x->push[s->face] / dt;
+    return over > 0 ? larger(0, smaller(rubs, over)) : smaller(0, larger(rubs, over));
+}
+
 /* Returns the heat (J/(m^2 s)) that a cell gains at a face, -(p_f - P) (U - u.n) outwards: p_f moves the gas on the
  * face with U, and the cell with u, the mean of its velocities before and after acoustics. The part of p_f - P that
  * friction carries makes no heat: it works on U, where it takes energy. */
@@ -134,8 +143,7 @@ static double heat_of_side(const struct bed *b, const struct bed_side *s, int ce
     const struct bed_lines *x = b->lines;
     const double mean =
         0.5 * (bed_normal_speed(b, x->u, cell, s->shape) + bed_normal_speed(b, x->after + 1, cell, s->shape));
-    double over = x->p_face[s->face] - x->P[s->right][s->face];
-    if (b->rub) over -= s->sign * x->rho[cell] * b->set.shapes->depth[s->right][s->shape] * x->push[s->face] / dt;
+    const double over = x->p_face[s->face] - x->P[s->right][s->face] - carried(b, s, cell, dt);
     return -s->sign * over * (x->U[s->face] - mean);
 }
 
@@ -224,7 +232,7 @@ static double work_on_cell(const struct bed *b, double dt, const double gravity[
 
 /* Returns the energy (J/m^3) that friction gives to a cell: its work on the cell's velocity, and with the heat that the
  * faces lack by it (heat_of_side) that on U. */
-static double rubbed_in_cell(const struct bed *b, int i) {
+static double rubbed_in_cell(const struct bed *b, double dt, int i) {
     const struct bed_lines *x = b->lines;
     double sum = 0, moved = 0;
     if (!b->rub) return 0;
@@ -233,10 +241,9 @@ static double rubbed_in_cell(const struct bed *b, int i) {
         const struct bed_side s = bed_side(b, j);
         const double mean =
             0.5 * (bed_normal_speed(b, x->u, i, s.shape) + bed_normal_speed(b, x->after + 1, i, s.shape));
-        sum += b->set.shapes->area[s.shape] * b->set.shapes->depth[s.right][s.shape] * x->push[s.face] *
-               (x->U[s.face] - mean);
+        sum += s.sign * b->set.shapes->area[s.shape] * carried(b, &s, i, dt) * (x->U[s.face] - mean);
     }
-    return x->rho[i] * (0.5 * moved + sum / b->set.shapes->volume[b->set.body[i]]);
+    return 0.5 * x->rho[i] * moved + dt * sum / b->set.shapes->volume[b->set.body[i]];
 }
 
 /* Sets eps behind acoustics, and counts lifting and work. Returns whether no cell was lifted too much. */
@@ -247,11 +254,14 @@ static bool find_eps(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     for (int block = 0; block < b->set.blocks; block++) {
         b->set.lift[block] = b->set.work[block] = b->set.rubbed[block] = 0;
         for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
-            const double V = b->set.shapes->volume[b->set.body[i]], eps = eps_after(b, dt, i), least = least_of(b, i);
+            const double V = b->set.shapes->volume[b->set.body[i]], least = least_of(b, i);
+            const double rubbed = rubbed_in_cell(b, dt, i);
+            const double warms = b->rub ? b->friction.params.heating * larger(-rubbed, 0) : 0;
+            const double eps = b->rub ? eps_after(b, dt, i) + warms / b->lines->rho[i] : eps_after(b, dt, i);
             const double lift = eps < least ? b->lines->rho[i] * (least - eps) : 0;
             after[i] = larger(eps, least);
             b->set.work[block] += V * work_on_cell(b, dt, gravity, i);
-            b->set.rubbed[block] += V * rubbed_in_cell(b, i);
+            b->set.rubbed[block] += V * (rubbed + warms);
             b->set.lift[block] += V * lift;
             b->lifted += lift > 0;
             fine &= lift == 0 || lift <= bed_energy_near(b, i);

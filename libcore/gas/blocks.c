@@ -108,9 +108,9 @@ static void take_batch(void *lines, const struct block_batch *b) {
     }
 }
 
-/* Sets n lines of blocks from arrays of this rank's cells (own), or from arrays in polyMesh order. */
-static void put_lines(const struct gas *g, bool own, int n, const double *const *in, double *const *block) {
-    struct block_lines l = {.block = block, .size = g->size, .n = n, .in = in};
+/* Sets lines of blocks, which `l` names, from arrays of this rank's cells (own), or from arrays in polyMesh order. */
+static void put_lines(const struct gas *g, bool own, struct block_lines l) {
+    l.size = g->size;
     for (int b = 0, cells; b < grid_blocks(g); b++, l.next += cells) {
         const int *cell = mesh_cells(g, b, &cells);
         l.cell = own ? NULL : cell;
@@ -120,11 +120,11 @@ static void put_lines(const struct gas *g, bool own, int n, const double *const 
 
 void state_set(struct gas *g, bool own, const double *const U[MAX_VAR]) {
     if (g->engine->state.unfold) g->engine->state.unfold(g, &g->U, true);
-    put_lines(g, own, g->nvar, U, g->U.block);
+    put_lines(g, own, (struct block_lines){.block = g->U.block, .n = g->nvar, .in = U});
 }
 
 void limited_set(struct gas *g, const double *values) {
-    put_lines(g, true, 1, &values, g->limits.flags.limited);
+    put_lines(g, true, (struct block_lines){.block = g->limits.flags.limited, .n = 1, .in = &values});
 }
 
 void gas_block_variables(const struct gas *g, int block, int first, int n, double *const *out) {
@@ -133,11 +133,24 @@ void gas_block_variables(const struct gas *g, int block, int first, int n, doubl
 }
 
 void gas_set_carried(struct gas *g, int q, bool own, const double *values) {
-    put_lines(g, own, 1, &values, g->carried->quantity[q].phi);
+    put_lines(g, own, (struct block_lines){.block = g->carried->quantity[q].phi, .n = 1, .in = &values});
 }
 
 void gas_block_carried(const struct gas *g, int block, int q, double *out) {
     struct block_lines l = {.block = g->carried->quantity[q].phi, .size = g->size, .n = 1, .out = &out};
+    visit_block(g, block, NULL, take_batch, &l);
+}
+
+int gas_friction_sides(const struct gas *g) {
+    return g->dense && g->dense->kept ? g->dense->sides : 0;
+}
+
+void gas_set_friction(struct gas *g, int first, int n, const double *const *values) {
+    put_lines(g, true, (struct block_lines){.block = g->dense->kept, .first = first, .n = n, .in = values});
+}
+
+void gas_block_friction(const struct gas *g, int block, int first, int n, double *const *out) {
+    struct block_lines l = {.block = g->dense->kept, .size = g->size, .first = first, .n = n, .out = out};
     visit_block(g, block, NULL, take_batch, &l);
 }
 

@@ -21,7 +21,8 @@ void books_stage(struct gas *g, const struct state *from, double weight);
 void books_staged(struct gas *g, double weight);
 /* Limiting has changed a stage of which the fraction `share` reaches the end of the step. */
 void books_limited(struct gas *g, double share);
-void books_bed(struct gas *g, double dt); /* a bed was advanced by dt */
+void books_bed(struct gas *g, double dt);      /* a bed was advanced by dt */
+void books_friction(struct gas *g, double dt); /* friction acted over dt, behind an explicit step */
 /* Takes a note before a part of the step that may be done again. back: returns to the last note first, because the part
  * is done again. books_mark_heat does the same for conduction, within such a part. */
 void books_mark(struct gas *g, bool back);

@@ -43,8 +43,11 @@ bool gas_may_be_dense(const struct gas_models *m) {
 }
 
 static status make_kept(const struct gas *g, struct dense *d) {
-    const long lines = 1 + d->sides * bed_tensors(g->components);
     if (!d->bed.rub) return OK;
+    double sides = d->sides;
+    comm_max(g->comm, &sides, 1);
+    d->sides = (int)sides;
+    const long lines = 1 + d->sides * bed_tensors(g->components);
     TRY(allocate(&d->kept, d->blocks, sizeof *d->kept, "friction"));
     TRY(allocate(&d->kept[0], d->blocks * lines * g->size, sizeof(double), "friction"));
     for (int b = 1; b < d->blocks; b++) d->kept[b] = d->kept[0] + b * lines * g->size;
@@ -83,7 +86,7 @@ status dense_make(struct gas *g) {
         d->part[b] = d->part[0] + b * g->size;
     }
     TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
-    TRY(g->engine->bed.make(g));
+    TRY(comm_agree(g->comm, g->engine->bed.make(g)));
     return make_kept(g, d);
 }
 
@@ -155,20 +158,6 @@ static double refuse(struct dense *d, enum bed_cause cause, double steps, double
     return 0;
 }
 
-/* With friction every step of dense gas is one of a bed, however long. */
-static double plan_friction(struct gas *g, double maxCo, double fall, double plain, const char **limit) {
-    struct dense *d = g->dense;
-    double step[BED_CAUSES];
-    struct bed_rates rates = dense_rates(g, plain);
-    find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
-    if (d->thin > 0) {
-        if (dense_include(g, smaller(maxCo, BORDER) / step[least_of(step)])) rates = dense_rates(g, plain);
-        find_limits(g, &rates, maxCo, plain, fall, false, step);
-    }
-    *limit = cause_name[least_of(step)];
-    return d->longest = step[least_of(step)];
-}
-
 /* Plans the next step, as gas.h says. Near vacuum above a bed is hot: where it would limit dt, `include` makes it a
  * part of the bed. */
 double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, double fall, const char **limit) {
@@ -182,10 +171,13 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
     d->plain = plain;
     d->usual = usual;
     d->bound = (struct gas_bed_bound){.cause = BED_CAUSES};
+    d->rubs = false;
     if (!dense_find(g)) return 0;
-    if (d->bed.rub) return plan_friction(g, maxCo, fall, plain, limit);
+    d->rubs = d->bed.rub != NULL;
+    const bool falls = FALL * fall < gain * usual;
+    if ((d->pause > 0 || falls) && d->rubs) (void)dense_rates(g, plain); /* marks what friction acts on */
     if (d->pause > 0) return d->leans ? refuse(d, BY_OUTLET, 1, 0, plain) : 0;
-    if (FALL * fall < gain * usual) return refuse(d, BY_FALL, FALL * fall / usual, 0, plain);
+    if (falls) return refuse(d, BY_FALL, FALL * fall / usual, 0, plain);
     struct bed_rates rates = dense_rates(g, plain);
     find_limits(g, &rates, maxCo, plain, fall, d->thin > 0, step);
     if (d->thin > 0) {
@@ -299,6 +291,21 @@ void dense_keep(struct gas *g, double weight) {
     bed_write(&g->dense->bed);
 }
 
+bool dense_rub(struct gas *g, double t, double dt, const struct state *to) {
+    struct dense *d = g->dense;
+    d->failed = dense_listed(g);
+    if (d->failed) return false;
+    source_kick(&g->models.source, t, dt, d->kick);
+    for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
+    dense_take(g, to);
+    dense_take_friction(g);
+    d->failed = bed_rub_alone(&d->bed, dt, d->kick);
+    if (d->failed) return false;
+    double bad = (double)dense_put(g, to);
+    comm_max(g->comm, &bad, 1);
+    return bad == 0;
+}
+
 bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struct state *to) {
     struct dense *d = g->dense;
     bool done = false;
@@ -308,7 +315,7 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
     d->failed = bed_step(&d->bed, dt, d->kick, &done);
     if (d->failed || !done) return false;
-    d->refused = damps(g, dt) && g->models.acoustics->automatic && !d->bed.rub;
+    d->refused = damps(g, dt) && g->models.acoustics->automatic;
     if (d->refused) return false;
     double bad = (double)dense_put(g, to);
     comm_max(g->comm, &bad, 1);
@@ -325,7 +332,6 @@ status dense_count(struct gas *g) {
     double sum;
     comm_sum_long(g->comm, count, 2);
     d->paused = 0;
-    dense_keep_friction(g);
     g->counts.now.beds++;
     g->counts.now.newton += d->bed.newton;
     g->counts.now.linear += d->bed.linear;

@@ -91,14 +91,38 @@ KERNEL static double bed_largest(int n, const double *restrict rho) {
     return most;
 }
 
+/* Marks the cells of a row that friction acts on although they are not dense, as they are cold and lie on the bottom of
+ * their cells (lying_share of bed.h). */
+static void find_lying(const struct gas *g, const struct row *row) {
+    const double *U = g->U.block[row->block] + row->at, *volume = g->blocks.volume;
+    double *part = g->dense->part[row->block] + row->at, square = 0, h = 0;
+    for (int k = 0; k < g->dim; k++) {
+        const double pulls = g->models.source.gravity[k] * g->models.source.gravity[k];
+        square += pulls;
+        if (g->forest) h += pulls * g->forest->width[k] * g->forest->width[k];
+    }
+    for (int i = 0; i < row->n; i++) {
+        const double rho = U[i];
+        double eps = U[(g->nvar - 1) * g->size + i] / rho;
+        for (int k = g->components; k >= 1; k--) eps -= 0.5 * (U[k * g->size + i] / rho) * (U[k * g->size + i] / rho);
+        const double fall = volume ? sqrt(square) * pow(volume[row->at + i], 1. / g->dim) : sqrt(h);
+        const double T = (g->models.material.disks ? 1 : 2. / 3) * eps;
+        if (part[i] > 0 || !(lying_share(T, fall, rho / g->limits.most) > 0)) continue;
+        part[i] = BED_DENSE;
+        g->dense->holds[row->block] = true;
+    }
+}
+
 /* Marks the dense cells of a row. */
 static void find_row(void *gas, const struct row *row) {
     const struct gas *g = gas;
     struct dense *d = g->dense;
     const double *rho = g->U.block[row->block] + row->at;
     double *part = d->part[row->block] + row->at;
-    if (!(bed_largest(row->n, rho) > d->above)) return;
-    for (int i = 0; i < row->n; i++) part[i] = rho[i] > d->hard ? BED_HARD : rho[i] > d->above ? BED_DENSE : 0;
+    const double most = bed_largest(row->n, rho);
+    if (d->bed.rub && most > FILLS_LOW * g->limits.most) find_lying(g, row);
+    if (!(most > d->above)) return;
+    for (int i = 0; i < row->n; i++) part[i] = rho[i] > d->hard ? BED_HARD : rho[i] > d->above ? BED_DENSE : part[i];
     d->holds[row->block] = true;
 }
 
@@ -109,7 +133,7 @@ bool dense_find(struct gas *g) {
         if (d->holds[b]) memset(d->part[b], 0, (size_t)g->size * sizeof(double));
         d->holds[b] = false;
     }
-    if (g->engine->bed.unfold) g->engine->bed.unfold(g, &g->U, d->above);
+    if (g->engine->bed.unfold) g->engine->bed.unfold(g, &g->U, d->bed.rub ? FILLS_LOW * g->limits.most : d->above);
     g->engine->state.rows(g, VARIED_CELLS, &g->U, find_row, g);
     for (int b = 0; b < d->blocks; b++) found += d->holds[b];
     comm_max(g->comm, &found, 1);
@@ -256,8 +280,7 @@ static void copy_all_kept(const struct gas *g, bool out) {
         for (int n = 0; n < d->row[r].n; n++, i++) copy_kept(g, d->kept[d->row[r].block] + d->row[r].at + n, i, out);
 }
 
-/* Takes what friction kept, and what the walls do. */
-static void take_friction(struct gas *g) {
+void dense_take_friction(struct gas *g) {
     const struct dense *d = g->dense;
     const struct bed_set *bed = d->bed.home;
     if (!d->kept) return;
@@ -303,10 +326,14 @@ static void take_beyond(struct gas *g, const struct state *from) {
     }
 }
 
+status dense_listed(struct gas *g) {
+    return is_listed(g) ? OK : g->engine->bed.list(g);
+}
+
 status dense_begin(struct gas *g, const struct state *from) {
     const struct bed_hooks *engine = &g->engine->bed;
     engine->fill(g, from);
-    if (!is_listed(g)) TRY(engine->list(g));
+    TRY(dense_listed(g));
     dense_take(g, &g->U);
     bed_note_start(&g->dense->bed);
     dense_take(g, from);
@@ -315,7 +342,7 @@ status dense_begin(struct gas *g, const struct state *from) {
         copy(g, &g->W, true);
     }
     take_beyond(g, from);
-    take_friction(g);
+    dense_take_friction(g);
     if (engine->balance) engine->balance(g, from);
     g->dense->begun = true;
     return OK;

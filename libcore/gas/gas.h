@@ -126,6 +126,15 @@ status gas_get_carried(const struct gas *g, int q, double *out);
  * (libcore/polyhedral/cells_rest.c). The state itself is lost: it must be set again. Collective. */
 status gas_rest(struct gas *g, const bool *rests);
 
+/* What friction keeps from step to step (docs/physics.md 9.3), for restarts. A cell has one line of pressure and, for
+ * each of its sides, lines of the stress: rows of the upper half of a tensor of `components`. The sides of a lattice
+ * are the low and the high one along each axis in turn; those of polyhedra have the order of the polyMesh's faces. */
+int gas_friction_sides(const struct gas *g); /* most sides of a cell, of all ranks; 0: there is no friction */
+/* The lines of cells of this rank, as gas_set_own has them, from line `first` on: sets n of them, or gives those of one
+ * block. */
+void gas_set_friction(struct gas *g, int first, int n, const double *const *values);
+void gas_block_friction(const struct gas *g, int block, int first, int n, double *const *out);
+
 enum gas_field { GAS_RHO, GAS_ALPHA, GAS_U, GAS_T, GAS_P, GAS_C, GAS_MACH, GAS_LIMITED, GAS_FIELDS };
 /* gas_block_field writes the values of one field in the cells of one of this rank's blocks (struct grid; on a
  * lattice axis 0 is fastest), out[component][cells], with all components for GAS_U, else 1. gas_field gathers a whole

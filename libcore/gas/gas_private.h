@@ -51,6 +51,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
      * stress on each of its sides (struct bed_set); NULL without friction */
     double **kept;
     int sides;                  /* most of a cell */
+    bool rubs;                  /* is there packed gas, on which friction acts? */
     bool relisted;              /* does `kept` hold cells that are no longer in the bed? */
     double inertia;             /* of the dense cells in the last plan */
     double cooling;             /* 1/s: this rank's largest rate of cooling in dense cells so far; 0: not known yet */
@@ -242,6 +243,11 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
 /* ---- implicit acoustics of dense cells (libcore/gas/dense.c) ---- */
 
 status dense_make(struct gas *g);
+/* Lets friction act on the packed gas of `to` over dt, behind an explicit step. Returns whether the result is of use.
+ */
+bool dense_rub(struct gas *g, double t, double dt, const struct state *to);
+status dense_listed(struct gas *g);      /* lists the bed, unless it is that of the last list */
+void dense_take_friction(struct gas *g); /* takes what friction kept, and what the walls do */
 void dense_keep_friction(struct gas *g); /* keeps what friction needs in the next step */
 /* The kind (enum bed_kind) of a face of the bed beyond which there is a patch; -1: another cell. */
 int dense_kind(const struct gas *g, int patch);
@@ -366,7 +372,7 @@ void freeze_row(const struct gas *g, int n, const struct advance *s, const doubl
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
 /* Computes the coefficients of the law of transport for a line of cells. Where packed grains rub, friction is the share
- * s of the shear stress (libcore/models/friction.h), and the viscosities keep 1 - s. Conduction stays whole. */
+ * s of the shear stress (docs/physics.md 4.10), and the viscosities keep 1 - s. Conduction stays whole. */
 void transport_row(const struct gas *g, const struct closure_line *cells, double *restrict bulk, double *restrict shear,
                    double *restrict heat);
 /* Computes q_0 of a row (diffusion_hooks.begin), of which components of u, or T alone, go to lines q. */

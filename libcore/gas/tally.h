@@ -32,6 +32,7 @@ struct tally_hooks {
     /* Takes from `flow` weight times what the fluxes of the last stage have of gas at rest; NULL: nothing. */
     void (*still)(struct gas *g, double weight);
     /* Sets `flow` through the faces of cells of the bed, whose stages are given up, to what the bed exchanged over dt.
+     * In an explicit step it adds that instead, which is friction alone.
      */
     void (*bed)(struct gas *g, double dt);
     /* Visits the faces of a block with their values in the last step (gas_tally_faces). */

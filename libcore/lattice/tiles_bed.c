@@ -308,7 +308,9 @@ void tiles_tally_bed(struct gas *g, double dt) {
         const int to = tiles_tally_place(g, b->block, 2 * bed->shape[b->face] + high, b->inside);
         for (int v = 0; v < g->nvar; v++) {
             const double flux = bed->kept[v][b->face];
-            g->books.tally->flow[v][to] = high ? dt * flux : -dt * flux;
+            const double left = high ? dt * flux : -dt * flux,
+                         before = g->step.hybrid ? 0 : g->books.tally->flow[v][to];
+            g->books.tally->flow[v][to] = before + left;
         }
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The laws of friction and their table. friction.h has the equations. */
+/* The laws of friction and their table (docs/physics.md 4.10). friction.h has the equations. */
 #include "libcore/models/friction.h"
 
 #include "libcore/models/kernel.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Friction of grains that stay in contact: a table of laws for its coefficient mu(I). docs/physics.md 4.9 has the
+/* Friction of grains that stay in contact: a table of laws for its coefficient mu(I). docs/physics.md 4.10 has the
  * equations.
  *
  * Where gas is packed, contacts that last carry shear. Their stress tau obeys
@@ -19,7 +19,7 @@ struct friction_params {                /* of any row; what a row does not have 
     double modulus;                     /* shear modulus of packed gas, in units of the greatest pressure of the bed */
     double cohesion;                    /* Pa, for disks N/m: adds to the yield stress */
     double surface_cohesion;            /* k of the numerical cohesion of surface cells */
-    double heating;                     /* chi: part of the work of friction that heats the gas; 0 .. 1 */
+    double heating;                     /* part of the work of friction that heats the gas; 0 .. 1 */
 };
 
 struct friction {

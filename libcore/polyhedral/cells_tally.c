@@ -26,8 +26,10 @@ void cells_tally_bed(struct gas *g, double dt) {
     for (int f = 0; f < bed->faces; f++) {
         const int face = bed->shape[f];
         if (face < faces->ninternal) continue;
-        for (int v = 0; v < g->nvar; v++)
-            g->books.tally->flow[v][face - faces->ninternal] = dt * faces->area[face] * bed->kept[v][f];
+        for (int v = 0; v < g->nvar; v++) {
+            double *flow = &g->books.tally->flow[v][face - faces->ninternal];
+            *flow = (g->step.hybrid ? 0 : *flow) + dt * faces->area[face] * bed->kept[v][f];
+        }
     }
 }
 

@@ -196,16 +196,19 @@ void audit_dropped(struct gas *g, double part) {
     book_fall(g, part * sum);
 }
 
+void audit_friction(struct gas *g) {
+    double sum = 0;
+    if (!g->books.audit || !g->dense->bed.rub) return;
+    g->engine->bed.spread(g, g->dense->bed.home->rubbed, g->floors.raised);
+    note_status(g->books.audit, sum_raised(g, g->floors.raised, &sum));
+    g->books.audit->weight += sum;
+    g->books.audit->now.gained[GAS_CONTACTS] += sum;
+}
+
 void audit_bed(struct gas *g) {
     double sum = 0;
-    if (!g->books.audit) return;
-    if (g->dense->bed.rub) {
-        g->engine->bed.spread(g, g->dense->bed.home->rubbed, g->floors.raised);
-        note_status(g->books.audit, sum_raised(g, g->floors.raised, &sum));
-        g->books.audit->weight += sum;
-        g->books.audit->now.gained[GAS_CONTACTS] += sum;
-    }
-    if (!g->falling.cells) return;
+    audit_friction(g);
+    if (!g->books.audit || !g->falling.cells) return;
     g->engine->bed.spread(g, g->dense->bed.home->work, g->falling.dropped);
     note_status(g->books.audit, sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);

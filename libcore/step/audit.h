@@ -41,6 +41,7 @@ void audit_rest(struct gas *g, double part);
 status audit_filled(struct gas *g);
 /* Books the work of gravity, and its momentum, in the bed of a step with implicit acoustics. */
 void audit_bed(struct gas *g);
+void audit_friction(struct gas *g); /* friction has acted on the cells of a bed */
 /* Notes the account before a part that may be done again. back: returns to the last note first, because the part is
  * done again. */
 void audit_mark(struct gas *g, bool back);

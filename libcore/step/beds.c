@@ -38,4 +38,19 @@ static bool bed_end(struct gas *g, struct attempt *a) {
     return true;
 }
 
+/* ---- friction in an explicit step ---- */
+
+static bool rubs(const struct gas *g, const struct attempt *a) {
+    (void)a;
+    return g->dense && g->dense->rubs && !g->step.hybrid;
+}
+
+static bool friction_end(struct gas *g, struct attempt *a) {
+    if (!dense_rub(g, a->t, a->dt, &g->V)) return false;
+    books_friction(g, a->dt);
+    return true;
+}
+
+const struct part friction_part = {"friction", rubs, NULL, NULL, friction_end, GAS_FLOW, false};
+
 const struct part bed_part = {"bed", has_bed, NULL, NULL, bed_end, GAS_FLOW, false};

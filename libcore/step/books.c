@@ -40,6 +40,11 @@ void books_bed(struct gas *g, double dt) {
     audit_bed(g);
 }
 
+void books_friction(struct gas *g, double dt) {
+    tally_bed(g, dt);
+    audit_friction(g);
+}
+
 void books_mark(struct gas *g, bool back) {
     audit_mark(g, back);
     tally_mark(g, back);

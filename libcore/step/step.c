@@ -47,7 +47,7 @@ static bool hopeless(const struct gas *g) {
 
 /* Is a step of dt one with implicit acoustics? allowed: the explicit step. */
 static bool takes_bed(const struct gas *g, double dt, double allowed) {
-    return g->dense && g->dense->longest > 0 && (dt > allowed || g->dense->bed.rub);
+    return g->dense && g->dense->longest > 0 && dt > allowed;
 }
 
 static bool try_step(struct gas *g, struct attempt *a) {
@@ -82,6 +82,7 @@ static status count_step(struct gas *g) {
         if (g->floors.filled || g->floors.floored) g->step.guarded = GUARDED;
         g->step.guarded--;
     }
+    if (g->dense && g->dense->rubs) dense_keep_friction(g);
     if (g->step.hybrid) TRY(dense_count(g));
     g->step.hybrid = false;
     return OK;

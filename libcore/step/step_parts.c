@@ -2,12 +2,13 @@
 /* The table of the parts of a step, and the loop over it (step_parts.h). A further part is a row here and a file. */
 #include "libcore/step/step_parts.h"
 
-extern const struct part floors_part, bed_part, sources_part, diffusion_part, border_part, stages_part;
+extern const struct part floors_part, friction_part, bed_part, sources_part, diffusion_part, border_part, stages_part;
 
 /* The order of docs/physics.md 7.2 and 9.2: floors begin first and end last, stages begin last and end first. */
 static const struct part *const table[] = {
     &carried_part,   /* sums up the mass that crosses the faces */
     &floors_part,    /* forget what they added; at the end they mend what the sources left */
+    &friction_part,  /* of packed gas in an explicit step; a bed has its own */
     &bed_part,       /* dense cells, implicit: last, as the sources would put their pressure out of balance */
     &sources_part,   /* half a step, and half a step backwards */
     &diffusion_part, /* half a step, and half a step */

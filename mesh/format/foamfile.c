@@ -67,7 +67,11 @@ bool find_list(const struct source *head, struct long_list *out) {
         found = !s && token_is(&t, "nonuniform");
     }
     if (!s && found) s = lexer_next(&l, &t);
-    out->components = s || !found ? 0 : token_is(&t, "List<scalar>") ? 1 : token_is(&t, "List<vector>") ? 3 : 0;
+    out->components = s || !found                        ? 0
+                      : token_is(&t, "List<scalar>")     ? 1
+                      : token_is(&t, "List<vector>")     ? 3
+                      : token_is(&t, "List<symmTensor>") ? 6
+                                                         : 0;
     if (!s && out->components) s = lexer_next(&l, &t);
     found = !s && out->components && t.kind == TOKEN_NUMBER && t.number > 0 && t.number <= INT_MAX &&
             t.number == floor(t.number);

@@ -2,6 +2,7 @@
 """The command line of every command: one look, `-help` and `-version` everywhere, files only where one is told to, and what goes
 wrong said in one message."""
 import argparse
+import contextlib
 import dis
 import os
 import re
@@ -70,6 +71,18 @@ class Reading:
             path = os.path.abspath(arguments[0])
             if path.startswith(cls.folders):
                 cls.last = path
+
+
+@contextlib.contextmanager
+def replacing(path, suffix=""):
+    """Gives the temporary name under which a file is written first. It becomes `path` when the file is whole; after an error it is removed."""
+    temporary = f"{path.removesuffix(suffix)}.{os.getpid()}.tmp{suffix}"
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    finally:
+        if os.path.exists(temporary):
+            os.remove(temporary)
 
 
 def is_meant(error):

@@ -6,7 +6,7 @@
 
 #include "mesh/format/foamfile.h"
 
-enum { CHECKSUMS_MOST = 64 };
+enum { CHECKSUMS_MOST = 128 };
 struct checksums { /* collected while a time is written; sum[i] belongs to name[i], relative to the folder */
     int n;
     int part;                         /* N + 1 for a time of processorN, 0 for one of the case */

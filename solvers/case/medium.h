@@ -145,6 +145,9 @@ struct medium_type {
     status (*cloud)(const struct medium *m, struct cloud *out);
     /* Writes what a restart needs besides fields into the folder of a time. On the root. NULL: fields are enough. */
     status (*save)(const struct medium *m, const char *folder, const char *location, struct checksums *sums);
+    /* Writes what such a restart needs of cells into the folder of a time, and adds its checksums. Collective. NULL:
+     * the quantities are enough. */
+    status (*keep)(const struct medium *m, const struct field_writer *w, struct checksums *sums);
 };
 struct medium { /* the first member of each medium's own struct */
     const struct medium_type *type;

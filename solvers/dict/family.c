@@ -69,6 +69,7 @@ static status leave_coeffs(const struct family *k, struct dict *d, const struct 
 static status read_params(const struct family *k, struct dict *d, const struct model *row, void *params) {
     struct dict *sub = NULL, *none = NULL;
     char name[128];
+    for (int p = 0; k->flat && d && p < row->nparam; p++) dict_belongs(d, row->param[p].name, k->sub);
     if (d && k->flat) return params_read(d, row->param, row->nparam, params);
     if (d) TRY(find_coeffs(d, row, &sub));
     snprintf(name, sizeof name, "%sCoeffs", row->name);

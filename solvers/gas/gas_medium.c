@@ -4,7 +4,6 @@
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
 #include "solvers/gas/quantities.h"
-#include "solvers/gas/rest.h"
 #include "solvers/gas/scales.h"
 #include "solvers/gas/uniform.h"
 #include "solvers/output/report.h"
@@ -32,6 +31,7 @@ struct gas_state {
     struct gas_view view; /* what function objects see */
     struct gas_fields fields;
     struct limiter_table limiter;
+    struct friction_files friction;
     struct gas_speed speed;      /* wave speeds of the last plan */
     double fall;                 /* s: the longest step that gravity allows; HUGE_VAL: any */
     struct first_total first[2]; /* mass and energy at the start of the case */
@@ -191,6 +191,7 @@ static status gas_start(struct medium *m) {
     TRY(rest_lay(s, models, g->gas, &g->unknown));
     TRY(comm_agree(s->comm, initial_set(g->initial, s->grid, g->gas)));
     TRY(comm_agree(s->comm, limiter_resume(&g->limiter, s, g->gas)));
+    TRY(comm_agree(s->comm, friction_resume(&g->friction, s, g->gas)));
     g->counts = gas_counts(g->gas);
     TRY(comm_agree(s->comm, gas_check(g->gas)));
     initial_drop_cells(g->initial);
@@ -205,6 +206,7 @@ static status gas_start(struct medium *m) {
 static void gas_medium_free(struct medium *m) {
     struct gas_state *g = of(m);
     limiter_close(&g->limiter);
+    friction_files_free(&g->friction);
     gas_view_free(&g->view);
     gas_free(g->gas);
     initial_free(g->initial);
@@ -235,6 +237,8 @@ static void gas_describe(const struct medium *m, FILE *f) {
         fprintf(f,
                 "    the start is gone: if it was a settledLayer, gas rests to the error of the scheme only (keep its "
                 "time folder)\n");
+    if (of(m)->friction.lost)
+        fprintf(f, "    friction starts without stress: time %s has no %s\n", s->start.name, of(m)->friction.name[0]);
 }
 
 static void gas_provenance(const struct medium *m, struct sink *o) {
@@ -287,6 +291,11 @@ static double gas_memory(const struct medium *medium) {
                     sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }
 
+/* Would grains under gravity hold each other by a friction that the case does not have? */
+static bool lacks_friction(const struct gas_state *g) {
+    return !friction_acts(g->models->gas.friction) && source_falls(&g->models->gas.source, gas_variables(g->gas) - 2);
+}
+
 static void plan_step(struct medium *m, const struct control *c, struct pace *out) {
     struct gas_state *g = of(m);
     const double most = c->adjust ? c->max_co : g->models->gas.stepper->courant;
@@ -300,7 +309,7 @@ static void plan_step(struct medium *m, const struct control *c, struct pace *ou
     const char *limit;
     const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
     limiter_note_beds(&g->refused, g->gas, comm_root(m->setup->comm));
-    if (g->slow >= 0) g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
+    if (g->slow >= 0) g->slow = bed > 0 && lacks_friction(g) && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
     out->stable = c->adjust ? bed : HUGE_VAL; /* what limits the step of a bed is accuracy */
     out->limit = limit;
@@ -478,7 +487,7 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
         g->slow = -1;
         TRY(warn(&m->setup->warnings, WARN_FRICTION,
                  "%s:1: dense gas has been slow for %d steps (inertial number below %g, now %.2g): real grains "
-                 "would hold each other by friction there, which the model has not; a heap goes flat",
+                 "hold each other by friction there, and without it a heap goes flat; say  friction { type muI; }",
                  dict_path(g->models->properties), SLOW_STEPS, SLOWEST, gas_inertia(g->gas)));
     }
     return OK;
@@ -529,6 +538,10 @@ static bool gas_present(const struct medium *m, int quantity) {
 static status gas_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
     TRY(totals_save(of(m)->first, 2, folder, location, sums));
     return limiter_save(of(m)->gas, folder, location, sums);
+}
+
+static status gas_keep(const struct medium *m, const struct field_writer *w, struct checksums *sums) {
+    return friction_save(&of(m)->friction, m->setup, of(m)->gas, w, sums);
 }
 
 static const struct patch_field *gas_patch(const struct medium *m, int quantity, int p) {
@@ -695,4 +708,5 @@ const struct medium_type gas_medium = {
     .crossings = gas_crossings,
     .budget = gas_medium_budget,
     .save = gas_save,
+    .keep = gas_keep,
 };

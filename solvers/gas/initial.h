@@ -77,6 +77,13 @@ void initial_drop_fields(struct initial *s);
 /* Frees what a run no longer needs once the gas holds the state; the boundary rules stay. */
 void initial_drop_cells(struct initial *s);
 
+/* What a case says to be at rest: a hydrostatic settledLayer, without its perturbation, of the folder that the case
+ * started from. Tells a gas on polyhedra under gravity (gas_rest) what that is; the state of the gas is lost. The start
+ * is the newest time folder, up to the one that this run starts from, which no run has written: so a restart has the
+ * same balance. *missing: is there no such folder, so that nothing is known? Collective. */
+struct setup;
+status rest_lay(const struct setup *s, const struct gas_models *models, struct gas *g, bool *missing);
+
 /* The quantities that the gas carries (carried.c). Reads their fields in a folder (path). Collective if place->share is
  * given. */
 status carried_start_read(const char *folder, const struct field_place *place, const struct gas_models *models,

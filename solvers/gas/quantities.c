@@ -22,6 +22,7 @@ const struct quantity gas_quantity[GAS_QUANTITIES] = {
     [GAS_VORTICITY] = {"vorticity", 3, {0, 0, -1, 0, 0, 0, 0}, false},
     [GAS_GRAD_ALPHA] = {"gradAlpha", 3, {0, -1, 0, 0, 0, 0, 0}, false},
     [GAS_KNUDSEN] = {"Kn", 1, {0, 0, 0, 0, 0, 0, 0}, false},
+    [GAS_STRESS_RATIO] = {"stressRatio", 1, {0, 0, 0, 0, 0, 0, 0}, false},
     [GAS_MOMENTUM] = {"rhoU", 3, {1, -2, -1, 0, 0, 0, 0}, true},
     [GAS_ENERGY] = {"rhoE", 1, {1, -1, -2, 0, 0, 0, 0}, true},
 };
@@ -60,12 +61,18 @@ void gas_view_forget(struct gas_view *v) {
 }
 
 const char *gas_view_lacks(const struct gas_models *models, int quantity) {
+    if (quantity == GAS_STRESS_RATIO && !gas_rubs(models)) return "a gas without friction has no such stress";
     if (quantity != GAS_KNUDSEN || (models->eos->bounded && models->material.diameter > 0)) return NULL;
     return "a gas without grains has no mean free path";
 }
 
 static int lines_of(const struct gas_view *v, int quantity) {
     return setup_lines(v->setup, quantity);
+}
+
+static status find_ratio(struct gas_view *v) {
+    double *out = v->line[GAS_STRESS_RATIO - GAS_FIELDS][0];
+    return comm_agree(v->setup->comm, friction_ratio(v->setup, v->gas, v->models->material.disks, out));
 }
 
 static status make_lines(struct gas_view *v, int quantity) {
@@ -163,9 +170,10 @@ static status find_knudsen(struct gas_view *v) {
 status gas_view_derive(struct gas_view *v, int quantity) {
     if (!is_derived(quantity) || v->known[quantity - GAS_FIELDS]) return OK;
     TRY(comm_agree(v->setup->comm, make_lines(v, quantity)));
-    TRY(quantity == GAS_VORTICITY    ? find_vorticity(v)
-        : quantity == GAS_GRAD_ALPHA ? find_grad_alpha(v)
-                                     : find_knudsen(v));
+    TRY(quantity == GAS_VORTICITY      ? find_vorticity(v)
+        : quantity == GAS_GRAD_ALPHA   ? find_grad_alpha(v)
+        : quantity == GAS_STRESS_RATIO ? find_ratio(v)
+                                       : find_knudsen(v));
     v->known[quantity - GAS_FIELDS] = true;
     return OK;
 }

@@ -8,6 +8,7 @@
  * Enskog's mean free path lambda (scales.h, docs/physics.md 4.7): hydrodynamics asks for Kn << 1 (Boyd, Chen & Candler,
  * Phys. Fluids 7, 210, 1995, who take it from the gradient of the density; Goldhirsch, Annu. Rev. Fluid Mech. 35, 267,
  * 2003, for grains, where restitution sets that scale)
+ *   stressRatio = |tau|/p of friction (physics 9.3)
  *
  * Derivatives are those of grid_gradients; along axes that the mesh lacks they are 0. */
 #ifndef SOLVERS_GAS_QUANTITIES_H
@@ -15,6 +16,7 @@
 
 #include "libcore/gas/gas.h"
 #include "solvers/case/case.h"
+#include "solvers/case/checksums.h"
 
 /* The quantities that follow those of enum gas_field: those that function objects know, those that a case may carry,
  * then those that are only written. */
@@ -22,6 +24,7 @@ enum {
     GAS_VORTICITY = GAS_FIELDS,
     GAS_GRAD_ALPHA,
     GAS_KNUDSEN,
+    GAS_STRESS_RATIO,
     GAS_CARRIED, /* the first of those that a case may carry, whose rows are empty here */
     GAS_MOMENTUM = GAS_CARRIED + CARRIED_MOST,
     GAS_ENERGY,
@@ -66,5 +69,26 @@ void gas_view_edge(const struct gas_view *v, const struct patch_rules *r, int qu
                    const struct edge_face *face, double *values);
 /* Is a quantity given on a patch of these rules, whatever is in the cells? p is where rho and T are, on no wall. */
 bool gas_rules_give(const struct patch_rules *r, const struct gas_models *models, int quantity);
+
+/* What friction keeps from step to step (docs/physics.md 9.3), in the folder of a time: uniform/frictionPressure, the
+ * pressure of each cell in the last step of the bed, and for each side of a cell a file of the stress, a symmetric
+ * tensor. Sides of a lattice have the names frictionStressXLow, XHigh, YLow ..; those of polyhedra have numbers, in the
+ * order of the polyMesh's faces. A restart goes on with them to the bit. For users there is frictionStress, the mean of
+ * a cell's sides that carry stress, and the quantity stressRatio, |tau|/p of that mean, |tau| = sqrt(tau:tau/2). */
+enum { FRICTION_NAME = 40 };
+struct friction_files {
+    int n;                       /* 1 + sides of a cell; 0: there is no friction */
+    char (*name)[FRICTION_NAME]; /* [n] in the folder of a time; the pressure's is the first */
+    bool lost;                   /* did the run go on from a time without them? */
+};
+/* Names the files, and gives the gas what those of the start have. Where one is missing there is no stress. Collective.
+ */
+status friction_resume(struct friction_files *f, const struct setup *s, struct gas *g);
+/* Writes the files of a time, and adds their checksums. Collective. */
+status friction_save(const struct friction_files *f, const struct setup *s, const struct gas *g,
+                     const struct field_writer *w, struct checksums *sums);
+/* Computes stressRatio in the cells of this rank, one block after the other. Local. */
+status friction_ratio(const struct setup *s, const struct gas *g, bool disks, double *out);
+void friction_files_free(struct friction_files *f);
 
 #endif

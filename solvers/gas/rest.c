@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the state at rest (rest.h) in the folder of the start, and gives it to the gas. */
-#include "solvers/gas/rest.h"
-
+/* Finds the state at rest (initial.h) in the folder of the start, and gives it to the gas. */
 #include "solvers/gas/initial.h"
+
+#include "solvers/case/case.h"
 
 #include <stdlib.h>
 

@@ -367,9 +367,8 @@ static status write_part(const struct writing *x, struct part *part) {
 }
 
 /* Writes a quantity with the entries of its patches, or with all patches calculated. */
-static status write_shared(const struct setup *s, const struct field_writer *w, int quantity, struct printing *c,
+static status write_shared(const struct field_writer *w, const struct quantity *q, struct printing *c,
                            struct file_sum *sum) {
-    const struct quantity *q = &s->medium->fields.quantity[quantity];
     const struct patch_entries entries = {fetch_patch, print_patch, c};
     return field_write_shared(w, q->name, q->components, q->dimensions, c->share, c->slice, &entries, sum);
 }
@@ -385,9 +384,17 @@ status output_quantity(const struct setup *s, const struct field_writer *w, int 
     c.edges = edges;
     if (!e) e = make_slice(s, quantity, &share, &slice);
     c.slice = slice;
-    if (!e) e = write_shared(s, w, quantity, &c, sum);
+    if (!e) e = write_shared(w, &s->medium->fields.quantity[quantity], &c, sum);
     edges_free(edges);
     free(slice);
+    free(c.face);
+    return e;
+}
+
+status output_slices(const struct field_writer *w, const struct quantity *q, const struct share *share,
+                     const double *slice, struct file_sum *sum) {
+    struct printing c = {.components = q->components, .share = share, .slice = slice};
+    const status e = write_shared(w, q, &c, sum);
     free(c.face);
     return e;
 }
@@ -413,7 +420,7 @@ static status write_one(struct output *o, const struct field_writer *writer, int
     struct file_sum sum;
     status e = make_slice(s, quantity, &share, &slice);
     c.slice = slice;
-    if (!e) e = write_shared(s, w, quantity, &c, &sum);
+    if (!e) e = write_shared(w, q, &c, &sum);
     if (!e && comm_root(s->comm)) e = checksums_add(&o->sums, q->name, sum);
     e = comm_agree(s->comm, e);
     for (int k = 0; k < o->nparts && !e; k++) e = write_part(&x, o->parts ? &o->parts->part[k] : NULL);
@@ -487,6 +494,7 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     TRY(comm_agree(s->comm, root ? begin(o, at->name, folder) : OK));
     comm_broadcast(s->comm, folder, TIME_PATH);
     TRY(write_fields(o, &w));
+    if (s->medium->type->keep) TRY(s->medium->type->keep(s->medium, &w, &o->sums));
     TRY(o->save(o->context, &w, &o->sums));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }

@@ -18,6 +18,9 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
 /* Writes a quantity into another folder, with all patches calculated: each rank its share of the cells. Collective; w
  * is the same on every rank. */
 status output_quantity(const struct setup *s, const struct field_writer *w, int quantity, struct file_sum *sum);
+/* The same of values of any name (components: 1, 3 or 6) that are spread over the ranks in slices. */
+status output_slices(const struct field_writer *w, const struct quantity *q, const struct share *share,
+                     const double *slice, struct file_sum *sum);
 /* Computes a quantity in the cells of this rank, block by block: *out is [cells][components] with vectors along
  * physical axes; the caller frees it. Collective. */
 status output_own(const struct setup *s, int quantity, double **out);

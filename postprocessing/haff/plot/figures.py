@@ -18,6 +18,7 @@ import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
 
 from haff.case.units import SI  # noqa: E402
 from haff.case.units import read as units  # noqa: E402, F401
+from haff.command import replacing  # noqa: E402
 
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#333333"]  # Okabe & Ito: told apart by all
 FORMATS = ("png", "pdf", "svg")
@@ -35,6 +36,7 @@ NAMES = {  # name of a field: what it is, its symbol, its colours
     "phi": ("fraction of small grains", r"$\phi$", "cividis"),
     "vorticity": ("vorticity", r"$\omega$", "viridis"),
     "gradAlpha": ("gradient of the packing", r"$\nabla\alpha$", "viridis"),
+    "stressRatio": ("friction: shear stress over pressure", r"$|\tau|/p$", "magma"),
     "Kn": ("Knudsen number", "Kn", "magma"),
     "limited": ("limited faces", "limited faces", "magma"),
 }
@@ -128,14 +130,12 @@ def kind(path):
 
 def save(figure, path, dpi=None):
     """Writes the figure in the format of the suffix, under a temporary name first; prints its path."""
-    suffix, temporary = kind(path), f"{path}.{os.getpid()}.tmp"
+    suffix = kind(path)
     still = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(suffix)
     try:
-        figure.savefig(temporary, format=suffix, dpi=dpi or plt.rcParams["savefig.dpi"], metadata=still)
-        os.replace(temporary, path)
+        with replacing(path) as temporary:
+            figure.savefig(temporary, format=suffix, dpi=dpi or plt.rcParams["savefig.dpi"], metadata=still)
     finally:
-        if os.path.exists(temporary):
-            os.remove(temporary)
         plt.close(figure)
     print(path)
 

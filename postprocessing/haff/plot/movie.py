@@ -78,13 +78,8 @@ def span(space, wish, times):
 
 def write(paths, path, fps):
     """The film, under a temporary name first."""
-    temporary = f"{path[:-4]}.{os.getpid()}.tmp{path[-4:]}"
-    try:
+    with command.replacing(path, path[-4:]) as temporary:
         (by_ffmpeg if path.endswith(".mp4") else by_pillow)(paths, temporary, fps)
-        os.replace(temporary, path)
-    finally:
-        if os.path.exists(temporary):
-            os.remove(temporary)
     print(path)
 
 

@@ -8,7 +8,7 @@ import os
 import matplotlib
 import numpy
 
-from haff.command import VERSION
+from haff.command import VERSION, replacing
 from haff.report.words import ESCAPE, tag
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -106,11 +106,5 @@ def inlined(name):
 
 def write(page, path):
     """Writes the page, under a temporary name first: a browser never sees half of it."""
-    temporary = f"{path}.{os.getpid()}.tmp"
-    try:
-        with open(temporary, "w", encoding="utf-8") as f:
-            f.write(page.html())
-        os.replace(temporary, path)
-    finally:
-        if os.path.exists(temporary):
-            os.remove(temporary)
+    with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as f:
+        f.write(page.html())

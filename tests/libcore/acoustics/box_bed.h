@@ -10,24 +10,30 @@
 
 #include "tests/checks.h" /* last: cmocka.h defines fail() */
 
-struct box { /* a bed of n[0] x n[1] boxes, or pairs of triangles, in a box of walls, or periodic along x */
+struct box_form { /* n[0] x n[1] x n[2] boxes, or n[0] x n[1] pairs of triangles, in a box of walls, or periodic */
+    int n[3];
+    int components; /* of the velocity; 0: as many as there are axes with more than one cell */
+    double width;
+    bool periodic[3], triangles; /* along each axis; triangles may be periodic along x */
+    struct friction_use friction;
+};
+struct box {
     struct material material;
     struct bed bed;
-    int n[2];
-    bool periodic, triangles;
-    double width;
+    struct box_form form;
     struct bed_shapes shapes;
-    double *memory, (*centre)[2]; /* [cells] of triangles */
+    double *memory, (*centre)[3]; /* [cells] */
 };
 
 static inline void make_shapes(struct box *x, int cells, int faces) {
     struct bed_shapes *s = &x->shapes;
-    double **lines[] = {&s->area,      &s->depth[0],  &s->depth[1],  &s->normal[0], &s->normal[1],
-                        &s->arm[0][0], &s->arm[0][1], &s->arm[1][0], &s->arm[1][1]};
-    *s = (struct bed_shapes){.boxes = !x->triangles};
-    s->volume = x->memory = calloc((size_t)(cells + 9 * faces), sizeof(double));
+    double **lines[] = {&s->area,      &s->depth[0],  &s->depth[1],  &s->normal[0], &s->normal[1], &s->normal[2],
+                        &s->arm[0][0], &s->arm[0][1], &s->arm[0][2], &s->arm[1][0], &s->arm[1][1], &s->arm[1][2]};
+    enum { LINES = sizeof lines / sizeof *lines };
+    *s = (struct bed_shapes){.boxes = !x->form.triangles};
+    s->volume = x->memory = calloc((size_t)(cells + LINES * faces), sizeof(double));
     assert_non_null(x->memory);
-    for (int i = 0; i < 9; i++) *lines[i] = x->memory + cells + i * faces;
+    for (int i = 0; i < LINES; i++) *lines[i] = x->memory + cells + i * faces;
     x->centre = calloc((size_t)cells, sizeof *x->centre);
     assert_non_null(x->centre);
 }
@@ -35,8 +41,8 @@ static inline void make_shapes(struct box *x, int cells, int faces) {
 /* The faces of boxes along an axis: the lower ones of each line of cells, then one above each cell. */
 static inline int link_boxes(struct box *x, int axis, int faces) {
     struct bed_set *b = &x->bed.set;
-    const int n = x->n[axis], step = axis ? x->n[0] : 1;
-    const bool periodic = x->periodic && axis == 0;
+    const int *all = x->form.n, n = all[axis], step = (axis > 0 ? all[0] : 1) * (axis > 1 ? all[1] : 1);
+    const bool periodic = x->form.periodic[axis];
     for (int i = 0; i < b->cells; i++)
         for (int above = i / step % n > 0 || periodic; above < 2; above++) {
             const bool end = i / step % n == n - 1 && above;
@@ -53,16 +59,22 @@ static inline int link_boxes(struct box *x, int axis, int faces) {
 
 static inline int make_boxes(struct box *x) {
     struct bed_shapes *s = &x->shapes;
+    const double width = x->form.width;
+    const int *n = x->form.n;
     int faces = 0;
-    for (int i = 0; i < x->bed.set.cells; i++) x->bed.set.body[i] = 0;
+    for (int i = 0; i < x->bed.set.cells; i++) {
+        const int at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+        for (int k = 0; k < x->bed.dim; k++) x->centre[i][k] = width * (at[k] + 0.5);
+        x->bed.set.body[i] = 0;
+    }
     for (int i = 0; i <= x->bed.set.cells; i++) x->bed.set.face_start[i] = 2 * x->bed.dim * i;
-    s->volume[0] = x->width * x->width;
+    s->volume[0] = width * width; /* areas and volumes have a common factor */
     for (int k = 0; k < x->bed.dim; k++) {
-        s->area[k] = x->width;
+        s->area[k] = width;
         s->normal[k][k] = 1;
         for (int side = 0; side < 2; side++) {
-            s->depth[side][k] = 0.5 * x->width;
-            s->arm[side][k][k] = side ? -0.5 * x->width : 0.5 * x->width;
+            s->depth[side][k] = 0.5 * width;
+            s->arm[side][k][k] = side ? -0.5 * width : 0.5 * width;
         }
         faces = link_boxes(x, k, faces);
     }
@@ -71,10 +83,11 @@ static inline int make_boxes(struct box *x) {
 
 /* Finds the face whose middle is at m, along x perhaps a period away; -1: there is none. */
 static inline int face_at(const struct box *x, const double (*middle)[2], int faces, const double m[2]) {
-    const double period = x->n[0] * x->width;
+    const double period = x->form.n[0] * x->form.width;
     for (int f = 0; f < faces; f++) {
         const double off = fabs(middle[f][0] - m[0]);
-        if (fabs(middle[f][1] - m[1]) < 1e-9 && (off < 1e-9 || (x->periodic && fabs(off - period) < 1e-9))) return f;
+        if (fabs(middle[f][1] - m[1]) < 1e-9 && (off < 1e-9 || (x->form.periodic[0] && fabs(off - period) < 1e-9)))
+            return f;
     }
     return -1;
 }
@@ -107,17 +120,18 @@ static inline int add_edge(struct box *x, double (*middle)[2], int *faces, int c
 static inline int make_triangles(struct box *x) {
     static const int corner[2][2][3] = {{{0, 1, 3}, {0, 3, 2}}, {{0, 1, 2}, {1, 3, 2}}};
     struct bed_set *b = &x->bed.set;
+    const int *n = x->form.n;
     double(*middle)[2] = calloc((size_t)(3 * b->cells), sizeof *middle);
     int faces = 0;
     assert_non_null(middle);
     for (int i = 0; i < b->cells; i++) {
-        const int box = i / 2, at[2] = {box % x->n[0], box / x->n[0]}, *use = corner[(at[0] + at[1]) % 2][i % 2];
+        const int box = i / 2, at[2] = {box % n[0], box / n[0]}, *use = corner[(at[0] + at[1]) % 2][i % 2];
         double p[3][2], *c = x->centre[i];
         for (int j = 0; j < 3; j++) {
             const int place[2] = {at[0] + use[j] % 2, at[1] + use[j] / 2};
-            const bool inner = place[1] > 0 && place[1] < x->n[1] && place[0] % x->n[0] > 0;
+            const bool inner = place[1] > 0 && place[1] < n[1] && place[0] % n[0] > 0;
             for (int k = 0; k < 2; k++) {
-                p[j][k] = x->width * (place[k] + (inner ? 0.15 * sin(7 * place[0] + 3 * place[1] + k) : 0));
+                p[j][k] = x->form.width * (place[k] + (inner ? 0.15 * sin(7 * place[0] + 3 * place[1] + k) : 0));
                 c[k] += p[j][k] / 3;
             }
         }
@@ -136,17 +150,22 @@ static inline int make_triangles(struct box *x) {
 /* Beyond walls the arms are those of mirror images. */
 static inline void make_mirrors(struct box *x) {
     struct bed_shapes *s = &x->shapes;
-    for (int f = 0; f < x->bed.set.faces && x->triangles; f++) {
+    for (int f = 0; f < x->bed.set.faces && x->form.triangles; f++) {
         if (x->bed.set.right[f] >= 0) continue;
         for (int k = 0; k < 2; k++) s->arm[1][k][f] = s->arm[0][k][f] - 2 * s->depth[0][f] * s->normal[k][f];
         s->depth[1][f] = s->depth[0][f];
     }
 }
 
-static inline void box_make(struct box *x, const struct comm *comm, const char *eos, double e, int nx, int ny,
-                            double width, bool periodic, bool triangles) {
+static inline void box_make_of(struct box *x, const struct comm *comm, const char *eos, double e,
+                               const struct box_form *form) {
     const struct eos *row = eos_find(eos);
-    *x = (struct box){.n = {nx, ny}, .periodic = periodic, .triangles = triangles, .width = width};
+    const int *n = form->n,
+              dim = n[2] > 1   ? 3
+                    : n[1] > 1 ? 2
+                               : 1,
+              cells = n[0] * n[1] * n[2] * (form->triangles ? 2 : 1), sides = cells * (form->triangles ? 3 : 2 * dim);
+    *x = (struct box){.form = *form};
     x->material = (struct material){.diameter = 1,
                                     .mass = 1,
                                     .restitution = e,
@@ -156,23 +175,29 @@ static inline void box_make(struct box *x, const struct comm *comm, const char *
                                     .smoothing = 0.01,
                                     .disks = row->disks};
     if (row->disks) x->material.gamma = 2;
-    const int dim = ny > 1 ? 2 : 1, cells = nx * ny * (triangles ? 2 : 1), sides = cells * (triangles ? 3 : 2 * dim);
     x->bed = (struct bed){.eos = row,
                           .material = &x->material,
                           .comm = comm,
                           .dim = dim,
-                          .components = dim,
+                          .components = form->components ? form->components : dim,
                           .limit = density_limit(row, &x->material),
-                          .params = {.dense = 0.9, .gain = 4, .governor = 1, .soft = 0.2, .keep = 0.05}};
+                          .params = {.dense = 0.9, .gain = 4, .governor = 1, .soft = 0.2, .keep = 0.05},
+                          .friction = form->friction};
     make_shapes(x, cells, sides);
-    ok(bed_make(&x->bed, ny)); /* room for blocks of rows */
+    ok(bed_make(&x->bed, n[1])); /* room for blocks of rows */
     x->bed.set.shapes = &x->shapes;
     x->bed.set.blocks = 1;
     x->bed.set.first[0] = x->bed.set.number[0] = 0;
     x->bed.set.first[1] = cells;
     ok(bed_list(&x->bed, sides));
-    x->bed.set.faces = triangles ? make_triangles(x) : make_boxes(x);
+    x->bed.set.faces = form->triangles ? make_triangles(x) : make_boxes(x);
     make_mirrors(x);
+}
+
+static inline void box_make(struct box *x, const struct comm *comm, const char *eos, double e, int nx, int ny,
+                            double width, bool periodic, bool triangles) {
+    box_make_of(x, comm, eos, e,
+                &(struct box_form){.n = {nx, ny, 1}, .width = width, .periodic = {periodic}, .triangles = triangles});
 }
 
 static inline void box_free(struct box *x) {
@@ -185,14 +210,34 @@ static inline double volume_of(const struct box *x, int i) {
     return x->shapes.volume[x->bed.set.body[i]];
 }
 
-static inline void set(struct box *x, int i, double alpha, double T, double u, double v) {
-    double **U = x->bed.set.U;
+/* Sets a cell to a packing fraction, a temperature and a velocity of `components`. */
+static inline void set_moving(struct box *x, int i, double alpha, double T, const double *u) {
+    double **U = x->bed.set.U, square = 0;
     const double rho = alpha / packing_per_density(&x->material);
-    const int last = x->bed.dim + 1;
+    for (int k = 0; k < x->bed.components; k++) {
+        U[k + 1][i] = rho * u[k];
+        square += u[k] * u[k];
+    }
     U[0][i] = rho;
-    U[1][i] = rho * u;
-    if (last > 2) U[2][i] = rho * v;
-    U[last][i] = rho * (eps_of(&x->material, T) + 0.5 * (u * u + v * v));
+    U[x->bed.components + 1][i] = rho * (eps_of(&x->material, T) + 0.5 * square);
+}
+
+static inline void set(struct box *x, int i, double alpha, double T, double u, double v) {
+    set_moving(x, i, alpha, T, (const double[]){u, v, 0});
+}
+
+/* Finds alpha of the cell above one of pressure p and density rho, both of temperature T, by bisection, so that
+ * p - p_above = (rho + rho_above) weight with weight = g h/2. */
+static inline double above(const struct box *x, double p, double rho, double T, double weight) {
+    const double eps = eps_of(&x->material, T);
+    double low = 0, high = rho;
+    for (int times = 0; times < 200; times++) {
+        const double middle = 0.5 * (low + high);
+        double q, c2, gruneisen;
+        x->bed.eos->state(&x->material, 1, &middle, &eps, &q, &c2, &gruneisen);
+        *(q + weight * middle > p - weight * rho ? &high : &low) = middle;
+    }
+    return 0.5 * (low + high) * packing_per_density(&x->material);
 }
 
 /* A number in 0 .. 1 that looks random. */

@@ -22,20 +22,6 @@ static double eps_at(const struct box *x, int i) {
     return (x->bed.set.U[x->bed.dim + 1][i] - 0.5 * square / x->bed.set.U[0][i]) / x->bed.set.U[0][i];
 }
 
-/* Finds alpha of the cell above one of pressure p and density rho, both of temperature T, by bisection, so that
- * p - p_above = (rho + rho_above) g h/2. */
-static double above(const struct box *x, double p, double rho, double T) {
-    const double weight = 0.5 * DEEP * x->width, eps = eps_of(&x->material, T);
-    double low = 0, high = rho;
-    for (int times = 0; times < 200; times++) {
-        const double middle = 0.5 * (low + high);
-        double q, c2, gruneisen;
-        x->bed.eos->state(&x->material, 1, &middle, &eps, &q, &c2, &gruneisen);
-        *(q + weight * middle > p - weight * rho ? &high : &low) = middle;
-    }
-    return 0.5 * (low + high) * packing_per_density(&x->material);
-}
-
 /* A column at rest in which T is uniform, and its step of 300 times that of sound. */
 static double lay_column(struct box *x, double alpha, double T) {
     double fastest = 0;
@@ -45,9 +31,9 @@ static double lay_column(struct box *x, double alpha, double T) {
         set(x, i, alpha, T, 0, 0);
         x->bed.eos->state(&x->material, 1, &rho, &eps, &p, &c2, &gruneisen);
         fastest = larger(fastest, sqrt(c2));
-        alpha = above(x, p, rho, T);
+        alpha = above(x, p, rho, T, 0.5 * DEEP * x->form.width);
     }
-    return 300 * x->width / fastest;
+    return 300 * x->form.width / fastest;
 }
 
 static void test_a_column_at_rest_stays_so(void **state) {
@@ -255,7 +241,7 @@ static int brake_of(double mach, double courant, double soft) {
     x.bed.eos->state(&x.material, 1, &rho, &eps, &p, &c2, &gruneisen);
     const double c = sqrt(c2), v = mach * c, stiff = c / courant, slow = 4 * v + soft * stiff;
     for (int i = 0; i < N; i++) set(&x, i, alpha, T, i % 2 ? -v : v, 0);
-    ok(bed_step(&x.bed, x.width / stiff, gravity, &done));
+    ok(bed_step(&x.bed, x.form.width / stiff, gravity, &done));
     assert_true(done);
     for (int f = 0; f < x.bed.set.faces; f++) {
         const struct bed_lines *b = x.bed.lines;

@@ -24,7 +24,7 @@ static void open_walls(struct box *x, unsigned *seed) {
     static const enum bed_kind kind[] = {BED_WALL, BED_OPEN, BED_OPEN, BED_KEPT};
     struct bed_set *b = &x->bed.set;
     const int dim = x->bed.dim;
-    b->balanced = x->triangles;
+    b->balanced = x->form.triangles;
     for (int f = 0; f < b->faces; f++) {
         const int inside = b->left[f] < 0 ? b->right[f] : b->left[f];
         for (int side = 0; side < 2; side++) b->balance[side][f] = 1e-4 * (chance(seed) - 0.5);
@@ -117,7 +117,8 @@ static void part_make(struct part *p, const struct box *x, int way) {
                           .params = whole->params,
                           .dim = whole->dim,
                           .components = whole->components,
-                          .limit = whole->limit};
+                          .limit = whole->limit,
+                          .friction = whole->friction};
     ok(bed_make(&p->bed, whole->set.blocks));
     p->bed.home->shapes = whole->set.shapes;
     part_lists(p, x, way);
@@ -129,8 +130,19 @@ static void part_free(struct part *p) {
     free(p->face);
 }
 
+static void give_friction(struct part *p, const struct bed_set *whole) {
+    struct bed_set *b = p->bed.home;
+    for (int i = 0; i < b->cells; i++) b->pressure[i] = whole->pressure[p->cell[i]];
+    for (int f = 0; f < b->faces; f++) {
+        for (int t = 0; t < bed_tensors(p->bed.components); t++) b->stress[t][f] = whole->stress[t][p->face[f]];
+        for (int k = 0; k < p->bed.components; k++) b->wall_speed[k][f] = whole->wall_speed[k][p->face[f]];
+        b->wall_friction[f] = whole->wall_friction[p->face[f]];
+    }
+}
+
 static void give(struct part *p, const struct bed_set *whole) {
     struct bed_set *b = p->bed.home;
+    if (p->bed.rub) give_friction(p, whole);
     for (int v = 0; v < p->bed.dim + 2; v++) {
         for (int i = 0; i < b->cells; i++) b->U[v][i] = whole->U[v][p->cell[i]];
         for (int f = 0; f < b->faces; f++) {
@@ -148,6 +160,14 @@ static void assert_bits(double a, double b) {
     assert_memory_equal(&a, &b, sizeof a);
 }
 
+static void compare_friction(const struct part *p, const struct bed_set *whole) {
+    const struct bed_set *b = p->bed.home;
+    for (int i = 0; i < b->cells; i++) assert_bits(b->pressure[i], whole->pressure[p->cell[i]]);
+    for (int f = 0; f < b->faces; f++)
+        for (int t = 0; t < bed_tensors(p->bed.components); t++)
+            assert_bits(b->stress[t][f], whole->stress[t][p->face[f]]);
+}
+
 static void compare(struct part *p, struct bed *one, double dt, const double gravity[MAX_DIM]) {
     struct bed_set *b = p->bed.home, *whole = &one->set;
     long sum = p->bed.lifted;
@@ -160,6 +180,7 @@ static void compare(struct part *p, struct bed *one, double dt, const double gra
         for (int f = 0; f < b->faces; f++)
             if (b->kind[f] != BED_INNER) assert_bits(b->kept[v][f], whole->kept[v][p->face[f]]);
     }
+    if (p->bed.rub) compare_friction(p, whole);
     bed_push(&p->bed, dt, gravity, 1);
     bed_push(one, dt, gravity, 1);
     for (int j = 0; j < b->blocks; j++) {
@@ -167,6 +188,7 @@ static void compare(struct part *p, struct bed *one, double dt, const double gra
         assert_bits(b->lift[j], whole->lift[of]);
         assert_bits(b->work[j], whole->work[of]);
         assert_bits(b->pushed[j], whole->pushed[of]);
+        assert_bits(b->rubbed[j], whole->rubbed[of]);
         assert_int_equal(b->peak_cell[j], whole->peak_cell[of]);
     }
 }
@@ -180,23 +202,50 @@ static void assert_shared(const struct bed *b, const struct bed_set *whole) {
     assert_int_equal(cells, whole->cells);
 }
 
+/* Friction acts in the upper rows alone. */
 static void fill(struct box *x, unsigned *seed) {
     for (int i = 0; i < x->bed.set.cells; i++)
-        set(x, i, 0.58 + 0.05 * chance(seed), 1e-3 * (1 + chance(seed)), 0.02 * (chance(seed) - 0.5),
-            0.02 * (chance(seed) - 0.5));
+        set(x, i, 0.56 + 0.07 * chance(seed) * i / x->bed.set.cells, 1e-3 * (1 + chance(seed)),
+            0.02 * (chance(seed) - 0.5), 0.02 * (chance(seed) - 0.5));
+}
+
+/* No stress yet; walls that are rough, smooth or between, and move. */
+static void start_friction(struct box *x) {
+    struct bed_set *b = &x->bed.set;
+    for (int i = 0; i < b->cells; i++) b->pressure[i] = 0;
+    for (int f = 0; f < b->faces; f++) {
+        b->wall_friction[f] = f % 3 == 0 ? HUGE_VAL : f % 3 == 1 ? 0.2 : 0;
+        for (int k = 0; k < x->bed.components; k++) b->wall_speed[k][f] = 0.01 * (k + 1);
+        for (int t = 0; t < bed_tensors(x->bed.components); t++) b->stress[t][f] = 0;
+    }
 }
 
 /* Some steps of a box by the parts of all ranks and by one rank alone. Returns how many could be made. */
-static int steps_beside_one_rank(int nx, int ny, bool periodic, bool triangles, int way) {
+static int steps_beside_one_rank(int nx, int ny, bool periodic, bool triangles, int way, bool rubs) {
+    const struct friction_use none = {NULL}, law = {friction_find("muI"),
+                                                    {.mu_static = 0.38,
+                                                     .mu_dynamic = 0.64,
+                                                     .I0 = 0.279,
+                                                     .alpha_friction = 0.58,
+                                                     .alpha_solid = 0.62,
+                                                     .modulus = 300,
+                                                     .surface_cohesion = 0.5},
+                                                    .grain = 0.7};
     const double gravity[MAX_DIM] = {-1, -9.81};
     unsigned seed = 11;
     struct box x;
     struct part p;
     int made = 0;
-    box_make(&x, alone, "TorquatoSpheres", 0.9, nx, ny, 0.5, periodic, triangles);
+    box_make_of(&x, alone, "TorquatoSpheres", 0.9,
+                &(struct box_form){.n = {nx, ny, 1},
+                                   .width = 0.5,
+                                   .periodic = {periodic},
+                                   .triangles = triangles,
+                                   .friction = rubs ? law : none});
     cut(&x, ny);
     fill(&x, &seed);
     open_walls(&x, &seed);
+    if (rubs) start_friction(&x);
     part_make(&p, &x, way);
     for (int step = 0; step < STEPS; step++) {
         const double dt = 2e-3 * (1 + step);
@@ -218,12 +267,14 @@ static int steps_beside_one_rank(int nx, int ny, bool periodic, bool triangles, 
 
 static void test_a_dealt_bed_has_the_bits_of_one_rank(void **state) {
     (void)state;
-    for (int way = 0; way < 3; way++) {
-        assert_int_equal(steps_beside_one_rank(20, 30, false, false, way), STEPS);
-        assert_int_equal(steps_beside_one_rank(2, 40, true, false, way), STEPS);
-        assert_int_equal(steps_beside_one_rank(1, 16, true, false, way), STEPS);
-        assert_int_equal(steps_beside_one_rank(14, 17, false, true, way), STEPS);
-        assert_int_equal(steps_beside_one_rank(16, 12, true, true, way), STEPS);
+    for (int i = 0; i < 6; i++) {
+        const int way = i / 2;
+        const bool rubs = i % 2;
+        assert_int_equal(steps_beside_one_rank(20, 30, false, false, way, rubs), STEPS);
+        assert_int_equal(steps_beside_one_rank(2, 40, true, false, way, rubs), STEPS);
+        assert_int_equal(steps_beside_one_rank(1, 16, true, false, way, rubs), STEPS);
+        assert_int_equal(steps_beside_one_rank(14, 17, false, true, way, rubs), STEPS);
+        assert_int_equal(steps_beside_one_rank(16, 12, true, true, way, rubs), STEPS);
     }
 }
 

@@ -185,6 +185,55 @@ static void thin_cells_stay_cold(void **state) {
         }
 }
 
+/* ---- friction of packed grains -------------------------------------------------------------------------------------
+ */
+
+static double part; /* of the viscosities of LAW */
+static void law_in_part(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
+                        double *restrict shear, double *restrict heat) {
+    law(params, cells, bulk, shear, heat);
+    for (int i = 0; i < cells->n; i++) {
+        bulk[i] *= part;
+        shear[i] *= part;
+    }
+}
+
+/* Half steps of the shear flow, between alphaFriction and alphaSolid if it has friction; caller frees. */
+static double *sheared(bool polyhedral, double viscous, double share) {
+    static const struct transport IN_PART = {.coefficients = law_in_part};
+    struct scene s = {.dim = 2};
+    const struct material grains = grains_of(eos_find("TorquatoDisks"), 0.9, 0.1);
+    const double alpha = packing_per_density(&grains); /* of rho = 1 */
+    part = viscous;
+    open_models(&s, &IN_PART, "RKL2", polyhedral, shearing, false, 0);
+    /* the coefficients of a half step are found in it */
+    s.gas->models.friction = friction_find(share < 0 ? "none" : "Coulomb");
+    s.gas->models.friction_params = (struct friction_params){.alpha_friction = 0, .alpha_solid = alpha / share};
+    double *all = after(&s, 2, 0.01 / (SLOW * K * K));
+    close_scene(&s);
+    return all;
+}
+
+/* Where friction is the share s of the stress, viscosities keep 1 - s, and conduction is whole. */
+static void viscosity_fades_where_friction_acts(void **state) {
+    (void)state;
+    const double share[] = {0.25, 0.75, 1};
+    for (int polyhedral = 0; polyhedral < 2; polyhedral++)
+        for (int i = 0; i < 3; i++) {
+            double *fading = sheared(polyhedral, 1, share[i]);
+            double *plain = sheared(polyhedral, fmax(1 - share[i], 1e-9), -1), *whole = sheared(polyhedral, 1, -1);
+            double apart = 0;
+            for (int k = 0; k < 4 * N * WIDE; k++) {
+                assert_near(fading[k], plain[k], 1e-13);
+                apart = fmax(apart, fabs(fading[k] - whole[k]));
+            }
+            assert_true(apart > 1e-3);
+            free(fading);
+            free(plain);
+            free(whole);
+        }
+}
+
 /* ---- cooling -------------------------------------------------------------------------------------------------------
  */
 
@@ -349,6 +398,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(fast_conduction_holds_the_heat_of_friction),
         cmocka_unit_test(friction_and_conduction_are_of_second_order),
         cmocka_unit_test(thin_cells_stay_cold),
+        cmocka_unit_test(viscosity_fades_where_friction_acts),
         cmocka_unit_test(sources_and_conduction_are_of_second_order),
         cmocka_unit_test(budget_counts_the_last_attempt),
         cmocka_unit_test(flagged_cells_have_no_sides),

@@ -1,0 +1,20 @@
+// A column, L0 = 24 mm wide and A times as high, at the left end of a floor that it runs out on. N cells across the column.
+DefineConstant[ N = {24, Min 6, Step 2, Name "cells across the column"} ];
+DefineConstant[ A = {1, Min 0.25, Name "height over width of the column"} ];
+L0 = 0.024;
+// a box that the heap does not fill: run-outs are some 1.3 A below A = 2 and 2.2 A^(2/3) above
+nx = Ceil((A < 2 ? 2 + 2.2*A : 1.4 + 3*A^(2/3))*N);   ny = Ceil(1.15*A*N);
+L = nx*L0/N;   H = ny*L0/N;
+
+Point(1) = {0, 0, 0};   Point(2) = {L, 0, 0};   Point(3) = {L, H, 0};   Point(4) = {0, H, 0};
+Line(1) = {1, 2};   Line(2) = {2, 3};   Line(3) = {3, 4};   Line(4) = {4, 1};
+Curve Loop(1) = {1:4};   Plane Surface(1) = {1};
+Transfinite Curve {1, 3} = nx + 1;
+Transfinite Curve {2, 4} = ny + 1;
+Transfinite Surface {1};
+Recombine Surface {1};
+
+Physical Curve("floor") = {1};
+Physical Curve("sides") = {2, 4};
+Physical Curve("lid") = {3};
+Physical Surface("gas") = {1};

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Quantities of expected.json for heaps and layers of packed grains: fronts, depths, slopes, velocities."""
+import numpy as np
+
+PACKED, MOST = 0.5, 0.64  # packing that counts as packed; of a bed
+
+
+def depths(case, time):
+    """(x, depth of the columns of cells there if it were packed to MOST, width of a cell), m."""
+    x = np.round(case.centres[:, 0], 9)
+    at, column = np.unique(x, return_inverse=True)
+    width = at[1] - at[0]
+    return at, np.bincount(column, case.field("alpha", time)) * width / MOST, width
+
+
+def run_out(case, _, time, width):
+    """Way of the front beyond the column's own width, over that width. The front is the last column of cells, without a gap, that is a cell deep."""
+    x, depth, cell = depths(case, time)
+    shallow = np.flatnonzero(depth < cell)
+    front = x[shallow[0]] - cell / 2 if len(shallow) else x[-1] + cell / 2
+    return float(front / width - 1)
+
+
+def depth_at(case, _, time, place):
+    x, depth, _ = depths(case, time)
+    return float(depth[np.argmin(np.abs(x - place))])
+
+
+def slope(case, _, time, least):
+    """Of a straight line through the depths above `least` (m), in degrees, downwards along x."""
+    x, depth, _ = depths(case, time)
+    on = depth > least
+    return float(-np.degrees(np.arctan(np.polyfit(x[on], depth[on], 1)[0])))
+
+
+def packed_speed(case, _, time):
+    U = case.field("U", time)[case.field("alpha", time) > PACKED]
+    return float(np.sqrt((U ** 2).sum(axis=1).max()))
+
+
+def velocity_at(case, _, time, height):
+    """Along x, in the cell at that height."""
+    return float(case.field("U", time)[np.argmin(np.abs(case.centres[:, 1] - height)), 0])
+
+
+QUANTITIES = {
+    "run-out over the width": run_out,
+    "depth at x": depth_at,
+    "slope above that depth": slope,
+    "speed of packed gas": packed_speed,
+    "velocity along x at height": velocity_at,
+}
