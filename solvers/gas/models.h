@@ -75,4 +75,8 @@ void boundaries_list(FILE *f); /* prints every boundary condition */
  * reconstruction. */
 void models_print(FILE *f, const struct case_models *m, bool polyhedral);
 
+/* Returns the bytes of the state and of the memory for a step, of all cells of s->grid, if all are dense. */
+struct setup;
+double models_memory(const struct setup *s, const struct gas_models *g);
+
 #endif
