@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Walls of any shape: facets, which are segments (dim 2) or triangles (dim 3), bound the space of the grains.
+/* Walls of any shape, and what bounds flight among them (docs/physics.md 10.2): facets, which are segments (dim 2) or
+ * triangles (dim 3), bound the space of the grains.
  *
  * A facet is a convex set, and the distance D(x) of a point to it is a convex function of x with |grad D| = 1. So along
  * a path with |x''| <= G the distance has D'' >= -G, past sides and corners, too: D(t + d) >= D + D' d - G d^2/2. A

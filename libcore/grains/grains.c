@@ -61,6 +61,21 @@ double grains_volume(const struct grain_box *box) {
     return box->facets ? box->facets->space.volume : volume;
 }
 
+/* Sheared boxes are periodic along all axes, at rest, without gravity, and have four cells along an axis. */
+static status check_shear(const struct grain_box *box, const struct grain_law *law) {
+    if (box->shear == 0) return OK;
+    if (!isfinite(box->shear) || law->growth != 0) return fail(ERR_INPUT, "a shear rate of %g 1/s", box->shear);
+    for (int k = 0; k < box->dim; k++) {
+        const double length = box->high[k] - box->low[k];
+        if (!box->periodic[k] || box->shake[k] != 0 || law->gravity[k] != 0)
+            return fail(ERR_INPUT, "a sheared box is periodic along all axes, at rest and without gravity");
+        if (k < 2 && !(length >= 4 * law->diameter * (1 + 1e-9)))
+            return fail(ERR_INPUT, "a sheared box is at least 4 diameters, %g m, long along axis %d; it is %g m",
+                        4 * law->diameter, k, length);
+    }
+    return OK;
+}
+
 static status check_number(const struct grain_box *box, const struct grain_law *law, int n) {
     const double pi = 3.14159265358979323846, d = law->diameter;
     double volume = grains_volume(box), grain = box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d,
@@ -79,6 +94,10 @@ static void set_scales(struct grains *g) {
         bool periodic = k < g->dim && g->box.periodic[k];
         g->period[k] = periodic ? g->box.high[k] - g->box.low[k] : 0;
         g->half[k] = periodic ? 0.5 * g->period[k] : HUGE_VAL;
+        if (g->box.shear != 0 && k == 1) { /* grains_shear.c knows its images */
+            g->period[k] = 0;
+            g->half[k] = HUGE_VAL;
+        }
         g->pull[k] = k < g->dim ? fabs(g->law.gravity[k]) + fabs(g->box.shake[k]) * omega * omega : 0;
         all += g->pull[k];
     }
@@ -94,6 +113,7 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
                          struct grains **out) {
     struct grains *g;
     TRY(check_box(box, law));
+    TRY(check_shear(box, law));
     TRY(check_number(box, law, n));
     TRY(allocate(&g, 1, sizeof *g, "grains"));
     *out = g;
@@ -109,7 +129,8 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     TRY(allocate(&g->order, n, sizeof *g->order, "grains"));
     TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
     TRY(calendar_make(n, &g->queue));
-    if (box->facets) TRY(allocate(&g->impulse, box->facets->space.walls, sizeof *g->impulse, "walls"));
+    if (box->facets || box->shear != 0)
+        TRY(allocate(&g->impulse, box->facets ? box->facets->space.walls : 1, sizeof *g->impulse, "walls"));
     return grains_cells_make(g);
 }
 
@@ -155,12 +176,11 @@ static status check_overlap(const struct grains *g, int i) {
     double least = g->law.diameter * (1 - 1e-9);
     grains_block(&g->cells, g->event[i].cell, STAYS, &b);
     for (int q = grains_occupants(&g->cells, &b, g->list) - 1; q >= 0; q--) {
-        double square = 0;
+        double square = 0, r[3], v[3];
         int j = (int)g->list[q];
-        for (int k = 0; k < 3; k++) {
-            double r = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
-            square += r * r;
-        }
+        for (int k = 0; k < 3; k++) r[k] = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
+        if (g->box.shear != 0) (void)grains_sheared(g, &g->grain[i], &g->grain[j], g->time, r, v);
+        for (int k = 0; k < 3; k++) square += r[k] * r[k];
         if (j != i && square < least * least) return overlap(g, i, j, sqrt(square));
     }
     return OK;
@@ -261,7 +281,7 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, c
     }
     g->counts = *save->counts;
     if (g->impulse && save->impulse)
-        memcpy(g->impulse, save->impulse, (size_t)box->facets->space.walls * sizeof *g->impulse);
+        memcpy(g->impulse, save->impulse, (size_t)(box->facets ? box->facets->space.walls : 1) * sizeof *g->impulse);
     grains_set_sorting(g);
     *out = g;
     return OK;
@@ -353,7 +373,10 @@ void grains_at(const struct grains *g, double t, double (*x)[3], double (*u)[3])
         for (int k = 0; k < 3; k++) {
             to[k] -= w[k].s;
             speed[k] -= w[k].v;
-            if (g->box.periodic[k]) to[k] = grains_wrap(&g->box, k, to[k]);
+            if (g->box.shear != 0 && k == 1) /* it has left by round-off alone */
+                to[k] = fmax(g->box.low[k], fmin(to[k], g->box.high[k]));
+            else if (g->box.periodic[k])
+                to[k] = grains_wrap(&g->box, k, to[k]);
         }
     }
 }
@@ -375,6 +398,24 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
     *kinetic = 0.5 * g->law.mass * speeds;
     *potential = g->law.mass * height;
     for (int k = 0; k < 3; k++) momentum[k] = g->law.mass * sum[k];
+}
+
+double grains_thermal(const struct grains *g) {
+    double mean[3] = {0}, square = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < g->n; i++) {
+            double x[3], u[3];
+            fly(g, &g->grain[i], g->time, x, u);
+            if (g->box.shear != 0) u[0] -= g->box.shear * (x[1] - 0.5 * (g->box.low[1] + g->box.high[1]));
+            for (int k = 0; k < 3; k++) {
+                mean[k] += pass ? 0 : u[k] / g->n;
+                square += pass ? (u[k] - mean[k]) * (u[k] - mean[k]) : 0;
+            }
+        }
+    return 0.5 * g->law.mass * square;
+}
+double grains_work(const struct grains *g) {
+    return g->box.shear != 0 ? g->impulse[0][0] + g->impulse[0][1] : 0;
 }
 
 int grains_number(const struct grains *g) {

@@ -34,6 +34,9 @@ struct grain_box {
     double restitution[3][2]; /* restitution of the low and the high wall of an axis that is not periodic */
     double shake[3];          /* m: amplitudes of s_k */
     double omega, phase;      /* 1/s, rad */
+    /* 1/s: the gradient along axis 1 of the velocity along axis 0, which the images of a periodic box at rest have
+     * (grains_shear.c); 0: none */
+    double shear;
     /* Walls of any shape stand in place of the flat ones; low and high are then a box around them. Borrowed; NULL: no
      */
     const struct facets *facets;
@@ -95,7 +98,7 @@ struct grain_save { /* what grains_all, grains_events, grains_ids and grains_cou
     const struct grain_event *event;
     const int32_t *id;
     const struct grain_counts *counts;
-    const double (*impulse)[3]; /* of grains_impulses; NULL without facets */
+    const double (*impulse)[3]; /* of grains_impulses; NULL without facets or shear */
 };
 /* Makes grains from what was saved: the run continues to the bit. */
 status grains_resume(const struct grain_box *box, const struct grain_law *law, const struct grain_save *save,
@@ -117,7 +120,12 @@ const struct grain *grains_all(const struct grains *g);          /* [n] */
 const struct grain_event *grains_events(const struct grains *g); /* [n] */
 const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number id[i]; indices change now and then */
 const struct grain_counts *grains_counted(const struct grains *g);
-const double (*grains_impulses(const struct grains *g))[3]; /* [walls of facets] kg m/s: given to each of them */
+double grains_work(const struct grains *g); /* J: that the ends of a sheared box have done */
+/* Kinetic energy (J) of the motion relative to the mean flow, shear * (x_1 - the middle) along axis 0 in a sheared box,
+ * and the mean velocity. */
+double grains_thermal(const struct grains *g);
+const double (*grains_impulses(const struct grains *g))[3]; /* [walls of facets] kg m/s: given to each of them;
+                                                             * sheared: one row, the work by flow and by impacts */
 double grains_time(const struct grains *g);
 double grains_volume(const struct grain_box *box); /* m^3 (disks: m^2) between the walls */
 double grains_bytes(int n, int dim);               /* memory that a run takes, about */

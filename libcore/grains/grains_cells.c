@@ -186,11 +186,13 @@ void grains_cell_cross(struct grains *g, int i, int exit) {
     int32_t *cell = &g->event[i].cell;
     int k = exit / 2, up = exit & 1, number = cell_number(c, *cell, k), to = number + (up ? 1 : -1);
     leave(g, i);
+    const bool through = to < 0 || to == c->n[k];
     if (to < 0) to = c->n[k] - 1;
     if (to == c->n[k]) to = 0;
     p->x[k] = grains_cell_edge(c, k, up ? to : to + 1);
     int shift = k > 0 ? (k > 1 ? c->bits[0] + c->bits[1] : c->bits[0]) : 0;
     *cell += (to - number) * (1 << shift);
+    if (through && k == 1 && g->box.shear != 0) grains_shear_wrap(g, i, up);
     grains_cell_enter(g, i);
 }
 

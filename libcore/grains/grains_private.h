@@ -51,7 +51,8 @@ struct grains {
     struct grain_counts counts;
     struct grain_cells cells;
     struct facet_cells walls; /* the facets near each cell; empty without facets */
-    double (*impulse)[3];     /* [walls] kg m/s: given to each wall of facets */
+    double (*impulse)[3];     /* [walls] kg m/s: given to each wall of facets; sheared: [1], J: the work of
+                               * the ends, by grains that go through them and by impacts across them */
     struct calendar *queue;
     int64_t sort_at;           /* number of pair impacts at which the grains are sorted next; -1: never */
     uint64_t *order;           /* [n] scratch of grains_sort */
@@ -158,6 +159,16 @@ double grains_wrap(const struct grain_box *box, int k, double x); /* x moved int
  * there is no contact up to the time returned, but one may follow. */
 double grains_wall_time(const struct grains *g, int i, int axis, int side, double limit, bool *again);
 double grains_first_root(double h, double v, double a);
+
+/* grains_shear.c, of a sheared box: is grain i in the first or last row along axis 1? Place r (m) and velocity v (m/s)
+ * of q relative to p, both at time t, by its nearest image;
+ * returns the velocity (m/s) that this has beside q's own. Turns grain i, which leaves through an end of axis 1, into
+ * its image on the other side. Looks for impacts with grains beyond the end, no later than grain i leaves its cell. */
+bool grains_is_sheared_row(const struct grains *g, int i);
+double grains_sheared(const struct grains *g, const struct grain *p, const struct grain *q, double t, double r[3],
+                      double v[3]);
+void grains_shear_wrap(struct grains *g, int i, bool up);
+void grains_consider_beyond(struct grains *g, int i, double now, double leaving);
 
 /* grains_facets.c: lists the facets near each cell, if there are any; looks for impacts on those near grain i's cell no
  * later than it leaves that; lets grain a rebound from the facet of `partner`. */

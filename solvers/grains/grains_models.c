@@ -20,6 +20,9 @@ static const struct param grains_param[] = {
     WHOLE("N", number, 0, FROM_TO(0, 2e9),
           "grains; 0: as alpha (or rho) of the start says, which else only says where they are denser"),
     WHOLE("seed", seed, 1, FROM_TO(0, 2e9), "of the random places and velocities"),
+    NUMBER("shearRate", shear, 0, ANY_NUMBER, UNIT(0, 0, -1),
+           "of a box that is cyclic along all axes: the images above the second axis move along the first (Lees & "
+           "Edwards)"),
     SWITCH("writeCloud", write_cloud, true, "lagrangian/grains in every written time; restarts do not need it"),
     NOTED("walls", "dictionary", "none", "a dictionary for each patch that is not elastic, by its name",
           "walls { floor { restitution 0.7; } }"),
@@ -251,6 +254,7 @@ void grains_models_print(FILE *f, const struct grains_models *m) {
             m->grain.diameter, m->grain.mass, "restitution", m->grain.restitution, "thresholdSpeed",
             m->grain.threshold);
     forces_print(f, &m->forces);
+    if (m->shear != 0) fprintf(f, "    %-22s %.10g 1/s\n", "shearRate", m->shear);
     fprintf(f, "    %-22s %s", "coarse graining", kernel_names[m->kernel]);
     if (m->kernel != COARSE_CELL) fprintf(f, ", width %g m", m->width);
     if (m->window > 0)

@@ -15,6 +15,7 @@ struct grains_models {
     struct forces forces;
     struct material grain; /* diameter, mass, restitution, threshold */
     int number, seed;      /* number 0: it follows from the field alpha or rho */
+    double shear;          /* 1/s: shear rate of a periodic box */
     bool write_cloud;
     enum coarse_kernel kernel;
     double width, window;  /* m, s; window 0: fields are of a moment */
