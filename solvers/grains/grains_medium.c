@@ -67,7 +67,7 @@ static status medium_check_control(const struct medium *m, const struct control 
 static status medium_read(struct setup *s) {
     struct grains_run *x;
     TRY(allocate(&x, 1, sizeof *x, "the grains"));
-    x->base = (struct medium){.type = &grains_medium, .setup = s, .fields = grains_medium.fields};
+    x->base = (struct medium){.type = &grains_medium, .setup = s};
     s->medium = &x->base;
     if (comm_size(s->comm) > 1)
         return fail(ERR_INPUT,

@@ -39,6 +39,7 @@ for key, value in {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIR
 
 from tests.cases import harness, runs  # noqa: E402
 from tests.cases.gas import test_limiter  # noqa: E402
+from tests.cases.transport import test_carried  # noqa: E402
 
 CONTROL, SCHEMES, SOLUTION, GAS = "system/controlDict", "system/fvSchemes", "system/fvSolution", "constant/granularProperties"
 BLOCK = 1024  # bytes of a file that is not text, whose checksum is saved
@@ -131,6 +132,11 @@ def shot(engine, end):
     return lambda path: test_limiter.Limiter.shot(types.SimpleNamespace(folder=os.path.dirname(path)), os.path.basename(path), engine, end)
 
 
+def carrying(engine):
+    """A bubble with a dye and a mixture (tests/cases/transport/test_carried.py)."""
+    return lambda path: test_carried.make(path, (30, 16, 1), 0.01, engine, interval=0.005)
+
+
 def open_box(path):
     """A stream that enters and leaves through fixedValue and inletOutlet."""
     runs.make(path, (40, 30, 1), 0.04, interval=0.02)
@@ -204,6 +210,7 @@ EXTRA = {
        for f in ("common", "Marquina", "MarquinaStable", "LaxFriedrichs", "globalLaxFriedrichs", "Rusanov")},
     **{f"reconstruct{r}": Row(box(reconstruct=r)) for r in ("PHM", "WPENO5", "WENO5", "WENOZ", "TENO5", "firstOrder")},
     **{f"time{t}": Row(box(stepper=t)) for t in ("SSPRK3", "SSPRK43", "SSPRK104", "SSPRK2", "Euler")},
+    **{f"carried{e.capitalize()}": Row(carrying(e), ranks=2, stop=0.005) for e in ("lattice", "polyhedral")},
     **{f"flux{f}Polyhedral": Row(box(flux=f, end=0.01), append=[(SCHEMES, "meshEngine polyhedral;\n")])
        for f in ("Marquina", "MarquinaStable", "LaxFriedrichs", "Rusanov")},
 }
