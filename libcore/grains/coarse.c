@@ -249,6 +249,7 @@ static inline void add(double *sum, int dim, double w, const double u[3]) {
 
 void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]) {
     for (int i = 0; i < n; i++) {
+        if (isnan(x[i][0])) continue; /* it has left */
         const int m = spread(c, x[i]);
         for (int j = 0; j < m; j++) add(c->sums + c->size * c->shares[j].cell, c->grid.dim, c->shares[j].w, u[i]);
     }

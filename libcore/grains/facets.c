@@ -149,8 +149,9 @@ static unsigned long checksum(const struct facets *f) { /* FNV-1a, of 32 bits */
     uint32_t sum = 2166136261u;
     for (int i = 0; i < f->own; i++) {
         unsigned char bytes[sizeof f->facet[i].corner + sizeof(int)];
+        const int wall = f->facet[i].open ? -1 - f->facet[i].wall : f->facet[i].wall;
         memcpy(bytes, f->facet[i].corner, sizeof f->facet[i].corner);
-        memcpy(bytes + sizeof f->facet[i].corner, &f->facet[i].wall, sizeof(int));
+        memcpy(bytes + sizeof f->facet[i].corner, &wall, sizeof(int));
         for (size_t k = 0; k < sizeof bytes; k++) sum = (sum ^ bytes[k]) * 16777619u;
     }
     return sum;
@@ -211,6 +212,7 @@ static status fill(struct facets *f, const struct facet *list) {
             return fail(ERR_INPUT, "facet %d at (%.9g %.9g %.9g) has no area", i, p->corner[0][0], p->corner[0][1],
                         p->corner[0][2]);
         TRY(check_facet(s, p, i));
+        f->opens = f->opens || p->open;
     }
     TRY(check_gaps(f));
     f->sum = checksum(f);
@@ -307,15 +309,12 @@ void facet_cells_free(struct facet_cells *c) {
     c->start = c->list = NULL;
 }
 
-double facet_cells_nearest(const struct facets *f, const struct facet_cells *c, const double x[3], int *facet) {
+double facet_cells_nearest(const struct facets *f, const struct facet_cells *c, const double x[3], bool shut) {
     const long cell = facet_cells_at(c, f->space.dim, x);
     double least = HUGE_VAL, normal[3];
-    *facet = -1;
     for (int32_t q = c->start[cell]; q < c->start[cell + 1]; q++) {
-        double distance = facet_distance(&f->facet[c->list[q]], f->space.dim, x, normal);
-        if (distance >= least) continue;
-        least = distance;
-        *facet = c->list[q];
+        const struct facet *p = &f->facet[c->list[q]];
+        if (shut || !p->open) least = fmin(least, facet_distance(p, f->space.dim, x, normal));
     }
     return least;
 }

@@ -129,8 +129,8 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     TRY(allocate(&g->order, n, sizeof *g->order, "grains"));
     TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
     TRY(calendar_make(n, &g->queue));
-    if (box->facets || box->shear != 0)
-        TRY(allocate(&g->impulse, box->facets ? box->facets->space.walls : 1, sizeof *g->impulse, "walls"));
+    g->opens = box->facets && box->facets->opens && !box->shut;
+    if (grains_rows(box) > 0) TRY(allocate(&g->impulse, grains_rows(box), sizeof *g->impulse, "walls"));
     return grains_cells_make(g);
 }
 
@@ -147,7 +147,7 @@ static status place(struct grains *g, int i, const double x[3], const double u[3
     g->id[i] = i;
     for (int k = 0; k < g->dim; k++) {
         bool periodic = g->box.periodic[k];
-        double room = periodic ? 0 : radius;
+        double room = periodic || g->opens ? 0 : radius;
         if (!(x[k] >= g->box.low[k] + room - slack && x[k] <= g->box.high[k] - room + slack))
             return fail(ERR_INPUT,
                         "grain %d is outside: its centre is at (%.9g %.9g %.9g), axis %d allows %.9g to %.9g", i, x[0],
@@ -191,14 +191,13 @@ static status check_facets(const struct grains *g, int i, const double x[3]) {
     const double radius = 0.5 * g->law.diameter, slack = 1e-9 * g->law.diameter;
     const struct facets *f = g->box.facets;
     double at[3] = {0};
-    int facet;
     for (int k = 0; k < g->dim; k++) at[k] = g->box.periodic[k] ? grains_wrap(&g->box, k, x[k]) : x[k];
-    const double distance = facet_cells_nearest(f, &g->walls, at, &facet);
+    const double distance = facet_cells_nearest(f, &g->walls, at, !g->opens);
     if (distance < radius - slack)
         return fail(ERR_INPUT,
                     "grain %d at (%.9g %.9g %.9g) cuts a wall: its centre is %.9g m from it, and its radius is %.9g m",
                     i, x[0], x[1], at[2], distance, radius);
-    if (facet_cells_inside(f, &g->walls, at, radius - slack)) return OK;
+    if (facet_cells_inside(f, &g->walls, at, g->opens ? 1e-6 * radius : radius - slack)) return OK;
     return fail(ERR_INPUT, "grain %d at (%.9g %.9g %.9g) is outside the walls", i, x[0], x[1], at[2]);
 }
 
@@ -233,8 +232,10 @@ static status check_saved(const struct grains *g, int i) {
                p->x[k] <= grains_cell_edge(&g->cells, k, number + 1) + slack;
     }
     int b = e->partner;
-    good = good && (b >= 0 || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN ||
-                    (g->box.facets ? grains_facet_of(&g->box, b) != NULL : b < 0 && b >= -2 * g->dim));
+    if (b == GONE && g->opens) good = isfinite(p->t) && p->impact == HUGE_VAL && e->cell >= 0;
+    good =
+        good && (b >= 0 || (b == GONE && g->opens) || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN ||
+                 (g->box.facets ? grains_facet_of(&g->box, b) != NULL : b < 0 && b >= -2 * g->dim));
     if (!good) return fail(ERR_INPUT, "saved grain %d does not belong to this box, or its file is damaged", i);
     return OK;
 }
@@ -280,8 +281,7 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, c
         return s;
     }
     g->counts = *save->counts;
-    if (g->impulse && save->impulse)
-        memcpy(g->impulse, save->impulse, (size_t)(box->facets ? box->facets->space.walls : 1) * sizeof *g->impulse);
+    if (g->impulse && save->impulse) memcpy(g->impulse, save->impulse, (size_t)grains_rows(box) * sizeof *g->impulse);
     grains_set_sorting(g);
     *out = g;
     return OK;
@@ -331,7 +331,13 @@ static void take(struct grains *g, int i, double t, struct grain_observer *obser
         schedule_all(g);
     } else {
         if (e.partner < 0 && e.partner >= -6) grains_rebound(g, i, e.partner, t, observer);
-        if (e.partner <= FIRST_FACET) grains_rebound_facet(g, i, e.partner, t, observer);
+        if (e.partner <= FIRST_FACET) {
+            if (g->opens && grains_facet_of(&g->box, e.partner)->open) {
+                grains_depart(g, i, e.partner);
+                return;
+            }
+            grains_rebound_facet(g, i, e.partner, t, observer);
+        }
         grains_predict(g, i, t);
     }
 }
@@ -369,6 +375,13 @@ void grains_at(const struct grains *g, double t, double (*x)[3], double (*u)[3])
     for (int k = 0; k < 3; k++) w[k] = grains_swing(&g->box, k, t);
     for (int i = 0; i < g->n; i++) {
         double *to = x[g->id[i]], *speed = u[g->id[i]];
+        if (is_gone(g, i)) {
+            for (int k = 0; k < 3; k++) {
+                to[k] = NAN;
+                speed[k] = 0;
+            }
+            continue;
+        }
         fly(g, &g->grain[i], t, to, speed);
         for (int k = 0; k < 3; k++) {
             to[k] -= w[k].s;
@@ -387,6 +400,7 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
     for (int k = 0; k < 3; k++) w[k] = grains_swing(&g->box, k, g->time);
     for (int i = 0; i < g->n; i++) {
         double x[3], u[3];
+        if (is_gone(g, i)) continue;
         fly(g, &g->grain[i], g->time, x, u);
         for (int k = 0; k < 3; k++) {
             u[k] -= w[k].v;
@@ -413,6 +427,11 @@ double grains_thermal(const struct grains *g) {
             }
         }
     return 0.5 * g->law.mass * square;
+}
+int grains_present(const struct grains *g) {
+    int n = 0;
+    for (int i = 0; i < g->n; i++) n += !is_gone(g, i);
+    return n;
 }
 double grains_work(const struct grains *g) {
     return g->box.shear != 0 ? g->impulse[0][0] + g->impulse[0][1] : 0;

@@ -41,6 +41,7 @@ struct grain_box {
      */
     const struct facets *facets;
     const double *wall_restitution; /* [walls of facets]; NULL: 1 */
+    bool shut;                      /* facets that are open are walls all the same */
 };
 struct grain_law {
     double diameter; /* m, at time 0 */
@@ -110,7 +111,8 @@ void grains_free(struct grains *g);
 double grains_advance(struct grains *g, double until, int64_t most, struct grain_observer *observer);
 
 /* Sets x (m) and u (m/s, relative to the box) of all grains at time t, which is not before the time reached and not
- * after the next event; changes nothing in g. Indexed by id, which is the place a grain had in grains_make. */
+ * after the next event; changes nothing in g. Indexed by id, which is the place a grain had in grains_make. Grains
+ * that have left have x = NAN, u = 0. */
 void grains_at(const struct grains *g, double t, double (*x)[3], double (*u)[3]);
 /* Sets kinetic and potential energy (J, frame of the box) and momentum (kg m/s) at the time reached. */
 void grains_energy(const struct grains *g, double *kinetic, double *potential, double momentum[3]);
@@ -120,6 +122,10 @@ const struct grain *grains_all(const struct grains *g);          /* [n] */
 const struct grain_event *grains_events(const struct grains *g); /* [n] */
 const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number id[i]; indices change now and then */
 const struct grain_counts *grains_counted(const struct grains *g);
+/* Grains that have left through open facets: how many of the n are still there; row w of grains_impulses has the
+ * momentum that left through wall w, row walls + w the number of the grains, their kinetic and their potential energy
+ * (J). */
+int grains_present(const struct grains *g);
 double grains_work(const struct grains *g); /* J: that the ends of a sheared box have done */
 /* Kinetic energy (J) of the motion relative to the mean flow, shear * (x_1 - the middle) along axis 0 in a sheared box,
  * and the mean velocity. */

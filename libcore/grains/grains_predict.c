@@ -240,6 +240,7 @@ void grains_predict_beyond(struct grains *g, int i, double now, int exit) {
 
 double grains_schedule(const struct grains *g, int i) {
     int exit;
+    if (is_gone(g, i)) return HUGE_VAL;
     return fmin(leaves(g, i, &exit), g->grain[i].impact);
 }
 

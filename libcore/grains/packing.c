@@ -237,8 +237,8 @@ static bool shelf_touches(const struct shelf *s, const double a[3], const double
 }
 
 static bool shelf_has_room(const struct shelf *s, const double x[3]) {
-    int at[3], near[3], many = s->box->dim == 2 ? 9 : 27, facet;
-    if (s->box->facets && facet_cells_nearest(s->box->facets, &s->walls, x, &facet) < s->radius) return false;
+    int at[3], near[3], many = s->box->dim == 2 ? 9 : 27;
+    if (s->box->facets && facet_cells_nearest(s->box->facets, &s->walls, x, true) < s->radius) return false;
     shelf_find(s, x, at);
     for (int i = 0; i < many; i++) {
         int step[3] = {i % 3 - 1, i / 3 % 3 - 1, s->box->dim == 2 ? 0 : i / 9 - 1};
@@ -350,6 +350,7 @@ static status grow_from(const struct grain_box *box, double small, double full, 
     struct growing w = {.box = *box, .diameter = small, .full = full, .n = n, .x = x};
     w.box.wall_restitution = NULL;
     w.box.shear = 0;
+    w.box.shut = true;
     for (int k = 0; k < 3; k++) {
         w.box.restitution[k][0] = w.box.restitution[k][1] = 1;
         w.box.shake[k] = 0;

@@ -276,8 +276,7 @@ static void plan_step(struct medium *m, const struct control *c, struct pace *ou
     const char *limit;
     const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
     limiter_note_beds(&g->refused, g->gas, comm_root(m->setup->comm));
-    if (g->slow >= 0 && !gas_rubs(&g->models->gas))
-        g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
+    if (g->slow >= 0) g->slow = bed > 0 && lacks_friction(g) && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
     out->stable = c->adjust ? bed : HUGE_VAL; /* what limits the step of a bed is accuracy */
     out->limit = limit;

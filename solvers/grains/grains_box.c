@@ -18,6 +18,15 @@ status grains_box_check(const struct setup *s) {
     return OK;
 }
 
+bool grains_box_open(const struct setup *s, const struct field *U, bool *open) {
+    bool any = false;
+    for (int p = 0; p < s->mesh->npatches; p++) {
+        open[p] = boundary_find(U->patch[p].type) == boundary_find("zeroGradient");
+        any = any || open[p];
+    }
+    return any;
+}
+
 bool grains_box_is_full(const struct setup *s) {
     const struct lattice *l = s->lattice;
     return l && (long)l->n[0] * l->n[1] * l->n[2] == s->mesh->ncells;
@@ -31,10 +40,11 @@ static status check_wall(const struct setup *s, const struct grains_models *m, c
     if (boundary_is_wall(type))
         return fail(ERR_INPUT, "%s:%d: patch %s: type is %s; walls of grains are smooth: use  slip;", file, q->line,
                     patch, q->type);
-    return fail(ERR_INPUT,
-                "%s:%d: patch %s: type is %s, which lets grains in or out; allowed are slip, symmetry, symmetryPlane "
-                "(walls) and cyclic (with patches of type cyclic): close it with  type slip;",
-                file, q->line, patch, q->type);
+    return fail(
+        ERR_INPUT,
+        "%s:%d: patch %s: type is %s, by which grains would come in; allowed are slip, symmetry, symmetryPlane "
+        "(walls), zeroGradient (grains leave) and cyclic (with patches of type cyclic): close it with  type slip;",
+        file, q->line, patch, q->type);
 }
 
 static int patch_of(const struct polymesh *m, int face) {
@@ -112,7 +122,7 @@ static status make_space(const struct setup *s, const struct grains_models *m, c
                          const struct grains_mesh *mesh, struct grain_box *out) {
     for (int p = 0; p < s->mesh->npatches; p++)
         if (strcmp(s->mesh->patch[p].type, "empty") != 0 && strcmp(s->mesh->patch[p].type, "cyclic") != 0)
-            TRY(check_wall(s, m, U, p));
+            if (!m->open[p]) TRY(check_wall(s, m, U, p));
     for (int k = 0; k < s->dim; k++) {
         out->low[k] = mesh->low[k];
         out->high[k] = mesh->high[k];

@@ -130,8 +130,10 @@ static status medium_state(struct setup *s) {
     TRY(grains_check_shape(s, x->models));
     snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.folder);
     const bool saved = field_exists(path);
-    if (!grains_box_is_full(s)) TRY(grains_mesh_make(s, x->models->grain.diameter, &x->mesh));
-    TRY(grains_start_read(s, x->models, x->mesh, saved, &x->start));
+    TRY(grains_start_read(s, x->models, saved, &x->start));
+    const bool open = grains_box_open(s, x->start.field[FIELD_U], x->models->open);
+    if (open || !grains_box_is_full(s)) TRY(grains_mesh_make(s, x->models->grain.diameter, x->models->open, &x->mesh));
+    TRY(grains_start_take(s, x->models, x->mesh, saved, &x->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], x->mesh, &x->box));
@@ -173,16 +175,25 @@ static struct coarse_grid grid_of(const struct grains_run *x) {
     return g;
 }
 
+/* Returns the energy (J) of the grains that have left. */
+static double gone_energy(const struct grains_run *x) {
+    const int walls = x->box.facets && x->box.facets->opens ? x->box.facets->space.walls : 0;
+    double sum = 0;
+    for (int w = 0; w < walls; w++)
+        for (int k = 1; k < 3; k++) sum += grains_impulses(x->grains)[walls + w][k];
+    return sum;
+}
+
 static double energy_now(const struct grains_run *x) {
     double kinetic, potential, momentum[3];
     grains_energy(x->grains, &kinetic, &potential, momentum);
-    return kinetic + potential + grains_counted(x->grains)->lost - grains_work(x->grains);
+    return kinetic + potential + grains_counted(x->grains)->lost - grains_work(x->grains) + gone_energy(x);
 }
 
-static status resume(struct grains_run *x) {
+/* Fails if a saved state belongs to other walls, or to another shear rate; else gives it those of the case. */
+static status fit_saved(struct grains_run *x) {
     struct grains_state *s = &x->saved;
-    struct grains *old = NULL;
-    double(*at)[3] = NULL, (*u)[3] = NULL;
+    const struct setup *of = x->base.setup;
     double walls[3];
     grains_state_walls(&x->box, walls);
     if ((walls[2] == -1 || s->walls[2] == -1) && walls[1] != s->walls[1])
@@ -190,15 +201,42 @@ static status resume(struct grains_run *x) {
             ERR_INPUT,
             "%s/%s/uniform/grains: the shearRate was %g and is %g now: the images would jump; a run goes on with "
             "the same",
-            x->base.setup->dir, x->base.setup->start.name, s->walls[2] == -1 ? s->walls[1] : 0, x->box.shear);
+            of->dir, of->start.name, s->walls[2] == -1 ? s->walls[1] : 0, x->box.shear);
     if (walls[0] != s->walls[0] || walls[1] != s->walls[1])
         return fail(ERR_INPUT,
                     "%s/%s/uniform/grains: the walls of the mesh have changed since; remove it to start from "
                     "lagrangian/grains or the fields",
-                    x->base.setup->dir, x->base.setup->start.name);
+                    of->dir, of->start.name);
     s->box.facets = x->box.facets;
     s->box.shear = x->box.shear;
     s->box.wall_restitution = x->box.wall_restitution;
+    return OK;
+}
+
+/* Makes the grains anew, with the places and velocities that `old` has at its time; those that have left stay away. */
+static status make_anew(struct grains_run *x, const struct grains *old) {
+    const int all = grains_number(old);
+    const double t = grains_time(old);
+    double(*at)[3] = NULL, (*u)[3] = NULL;
+    int n = 0;
+    status e = allocate(&at, all, sizeof *at, "places of grains");
+    if (!e) e = allocate(&u, all, sizeof *u, "velocities of grains");
+    if (!e) grains_at(old, t, at, u);
+    for (int i = 0; i < all && !e; i++) {
+        if (isnan(at[i][0])) continue;
+        memmove(at[n], at[i], sizeof *at);
+        memmove(u[n++], u[i], sizeof *u);
+    }
+    if (!e) e = grains_make(&x->box, &x->law, n, (const double(*)[3])at, (const double(*)[3])u, t, &x->grains);
+    free(at);
+    free(u);
+    return e;
+}
+
+static status resume(struct grains_run *x) {
+    const struct grains_state *s = &x->saved;
+    struct grains *old = NULL;
+    TRY(fit_saved(x));
     const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, (const double(*)[3])s->impulse};
     TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
                     x->base.setup->start.name));
@@ -208,13 +246,8 @@ static status resume(struct grains_run *x) {
         x->grains = old;
         return OK;
     }
-    status e = allocate(&at, s->n, sizeof *at, "places of grains");
-    if (!e) e = allocate(&u, s->n, sizeof *u, "velocities of grains");
-    if (!e) grains_at(old, s->t, at, u);
-    if (!e) e = grains_make(&x->box, &x->law, s->n, (const double(*)[3])at, (const double(*)[3])u, s->t, &x->grains);
+    const status e = make_anew(x, old);
     grains_free(old);
-    free(at);
-    free(u);
     TRY(e);
     x->energy = energy_now(x);
     return OK;
@@ -289,7 +322,9 @@ static status medium_start(struct medium *m) {
     x->table.start = grains_totals(x->grains, &x->box, x->law.mass);
     x->last = x->table.start.counts;
     if (x->table.start.impulse) { /* the start's own: the grains' go on */
-        const long walls = x->box.facets ? x->box.facets->space.walls : 1;
+        double rows[3];
+        grains_state_walls(&x->box, rows);
+        const long walls = (long)rows[0];
         double(*impulse)[3];
         TRY(pool_take(&x->pool, &impulse, walls, sizeof *impulse, "walls"));
         memcpy(impulse, x->table.start.impulse, (size_t)walls * sizeof *impulse);
@@ -317,7 +352,8 @@ static void describe_facets(FILE *f, const struct grains_run *x) {
     fprintf(f, "    %-22s %d facets\n", "walls", x->box.facets->own);
     for (int p = 0; p < m->npatches; p++)
         if (strcmp(m->patch[p].type, "empty") != 0 && strcmp(m->patch[p].type, "cyclic") != 0)
-            fprintf(f, "    %-22s restitution %g\n", m->patch[p].name, x->models->restitution[p]);
+            x->models->open[p] ? fprintf(f, "    %-22s grains leave\n", m->patch[p].name)
+                               : fprintf(f, "    %-22s restitution %g\n", m->patch[p].name, x->models->restitution[p]);
 }
 
 static void describe_walls(FILE *f, const struct grains_run *x) {
@@ -457,7 +493,7 @@ static status check_collapse(struct grains_run *x, const struct grain_counts *no
 
 /* Returns kinetic, potential and lost energy less what they were when counting began, relative to the latter. */
 static double imbalance(const struct grains_run *x, const struct grains_totals *p) {
-    const double all = p->kinetic + p->potential + p->counts.lost - grains_work(x->grains);
+    const double all = p->kinetic + p->potential + p->counts.lost - grains_work(x->grains) + gone_energy(x);
     return (all - x->energy) / fmax(fabs(x->energy), p->kinetic + p->counts.lost);
 }
 
@@ -484,6 +520,8 @@ static status medium_log(struct medium *m, FILE *f, struct log_row *row) {
     const struct grain_counts *n = &p.counts;
     fill_row(x, &p, row);
     if (!f) return OK;
+    if (x->box.facets && x->box.facets->opens)
+        fprintf(f, "    %d of %d grains are there\n", grains_present(x->grains), grains_number(x->grains));
     fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", p.T, (long long)n->pairs,
             2 * (double)n->pairs / grains_number(x->grains), (long long)n->walls);
     print_rates(f, x, n);
@@ -533,6 +571,21 @@ static const struct patch_field *medium_patch(const struct medium *m, int quanti
     return grains_patch(&of(m)->start, quantity, patch);
 }
 
+/* Leaves out the grains that have left; then the others have numbers. */
+static status keep_present(const struct grains_run *x, struct cloud *c) {
+    int n = 0;
+    if (!x->box.facets || !x->box.facets->opens) return OK;
+    TRY(allocate(&c->id, c->n, sizeof *c->id, "grains"));
+    for (int i = 0; i < c->n; i++) {
+        if (isnan(c->x[i][0])) continue;
+        memcpy(c->x[n], c->x[i], sizeof c->x[n]);
+        memcpy(c->u[n], c->u[i], sizeof c->u[n]);
+        c->id[n++] = i;
+    }
+    c->n = n;
+    return OK;
+}
+
 static status medium_cloud(const struct medium *m, struct cloud *out) {
     const struct grains_run *x = of(m);
     const struct setup *s = m->setup;
@@ -541,6 +594,7 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     TRY(cloud_make(grains_number(x->grains), out));
     out->diameter = x->law.diameter;
     grains_at(x->grains, grains_time(x->grains), out->x, out->u);
+    TRY(keep_present(x, out));
     for (int i = 0; i < out->n; i++) {
         double at[3], u[3] = {0, 0, 0};
         out->cell[i] = (int)grains_box_cell(s, x->mesh, out->x[i]);

@@ -115,7 +115,7 @@ static void add_segment(struct gathering *g, int face, int patch) {
         const double dx = end[1][s->axis[0]] - end[0][s->axis[0]], dy = end[1][s->axis[1]] - end[0][s->axis[1]];
         const bool turned = -dy * area[s->axis[0]] + dx * area[s->axis[1]] > 0;
         struct facet *f = &g->list[g->n];
-        *f = (struct facet){.wall = patch, .face = face};
+        *f = (struct facet){.wall = patch, .face = face, .open = g->mesh->open[patch]};
         for (int j = 0; j < 2; j++)
             for (int k = 0; k < 2; k++) f->corner[j][k] = end[turned ? 1 - j : j][s->axis[k]];
     }
@@ -144,7 +144,7 @@ static bool is_fan(const struct polymesh *m, int face) {
 static void add_triangle(struct gathering *g, int face, int patch, const double *const corner[3]) {
     if (g->list) {
         struct facet *f = &g->list[g->n];
-        *f = (struct facet){.wall = patch, .face = face};
+        *f = (struct facet){.wall = patch, .face = face, .open = g->mesh->open[patch]};
         for (int j = 0; j < 3; j++) memcpy(f->corner[j], corner[j], sizeof f->corner[j]);
     }
     g->n++;
@@ -222,11 +222,12 @@ static status make_facets(struct grains_mesh *m, double diameter) {
     return e;
 }
 
-status grains_mesh_make(const struct setup *s, double diameter, struct grains_mesh **out) {
+status grains_mesh_make(const struct setup *s, double diameter, const bool *open, struct grains_mesh **out) {
     struct grains_mesh *m;
     *out = NULL;
     TRY(allocate(&m, 1, sizeof *m, "cells of grains"));
     m->setup = s;
+    m->open = open;
     status e = make_cells(m);
     if (!e) e = make_facets(m, diameter);
     if (e) {

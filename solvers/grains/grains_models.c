@@ -133,6 +133,7 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
     char path[PATH];
     struct dict *none = NULL;
     TRY(allocate(&m->restitution, mesh->npatches, sizeof(double), "walls"));
+    TRY(allocate(&m->open, mesh->npatches, sizeof *m->open, "walls"));
     TRY(allocate(&m->restitution_line, mesh->npatches, sizeof(int), "walls"));
     TRY(allocate(&m->friction, mesh->npatches, sizeof(double), "walls"));
     snprintf(path, sizeof path, "%s/constant/granularProperties", dir);
@@ -168,6 +169,7 @@ void grains_models_free(struct grains_models *m) {
     dict_free(m->granular);
     dict_free(m->properties);
     free(m->restitution);
+    free(m->open);
     free(m->restitution_line);
     free(m->friction);
     free(m);
@@ -243,6 +245,7 @@ void grains_boundaries_list(FILE *f) {
         if (boundary_is_smooth(&boundary_table[i]))
             fprintf(f, "  %-14s %-16s flat smooth wall\n", boundary_table[i].model.name, "U");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "scalars", "on walls");
+    fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "U", "grains whose centres come there leave");
     fprintf(f, "  %-14s %-16s %s\n", "granularWall", "T",
             "restitution e; of impacts on that wall, as in the gas (or walls of constant/particleProperties; else 1)");
     fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");

@@ -111,11 +111,15 @@ static status read_fields(const struct setup *s, const struct grains_models *m, 
     return e;
 }
 
-status grains_start_read(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh,
-                         bool saved, struct grains_start *p) {
-    *p = (struct grains_start){.mesh = mesh};
+status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
+    *p = (struct grains_start){.mesh = NULL};
     TRY(check_files(s, saved));
-    TRY(read_fields(s, m, saved, p));
+    return read_fields(s, m, saved, p);
+}
+
+status grains_start_take(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh,
+                         bool saved, struct grains_start *p) {
+    p->mesh = mesh;
     if (saved) return OK;
     TRY(take_density(s, m, p));
     TRY(check_velocity(s, p->field[FIELD_U]));

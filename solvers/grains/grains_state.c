@@ -37,7 +37,7 @@ void grains_state_walls(const struct grain_box *b, double out[3]) {
     if (!b->facets) return;
     const size_t bytes = (size_t)b->facets->space.walls * sizeof(double);
     for (size_t i = 0; i < bytes; i++) sum = (sum ^ ((const unsigned char *)b->wall_restitution)[i]) * 16777619u;
-    out[0] = b->facets->space.walls;
+    out[0] = (b->facets->opens ? 2. : 1.) * b->facets->space.walls;
     out[1] = (double)b->facets->sum;
     out[2] = sum;
 }
@@ -154,8 +154,9 @@ static bool take_lists(struct bytes *b, struct grains_state *s) {
     const size_t n = (size_t)s->n, sums = (size_t)s->nsums * sizeof(double);
     const size_t walls = (size_t)s->walls[0] * sizeof *s->impulse;
     return bytes_take(b, s->grain, n * sizeof *s->grain) && bytes_take(b, s->event, n * sizeof *s->event) &&
-           bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->sums[0], sums) && bytes_take(b, s->sums[1], sums) &&
-           (walls == 0 || bytes_take(b, s->impulse, walls)) && b->left == 2 && !memcmp(b->at, ")\n", 2);
+           bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->sums[0], sums) &&
+           bytes_take(b, s->sums[1], sums) && (walls == 0 || bytes_take(b, s->impulse, walls)) && b->left == 2 &&
+           !memcmp(b->at, ")\n", 2);
 }
 
 static status allocate_lists(struct grains_state *s) {

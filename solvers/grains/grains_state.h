@@ -28,8 +28,8 @@ struct grains_state {
     double *sums[2];  /* [nsums]: running window, last complete one */
     struct pool pool; /* has the lists of a state that was read */
 };
-/* Turns walls of facets into numbers: how many, checksums of their shape and of their restitution. A sheared box has 1,
- * the shear rate, -1; any other zeros. */
+/* Turns walls of facets into numbers: how many (twice with open ones), checksums of their shape and of their
+ * restitution. A sheared box has 1, the shear rate, -1; any other zeros. */
 void grains_state_walls(const struct grain_box *b, double out[3]);
 /* Were the events predicted under this box and law? */
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law);

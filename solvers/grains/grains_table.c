@@ -2,11 +2,12 @@
 /* Computes totals over all grains and writes them as rows of a table (grains_table.h). */
 #include "solvers/grains/grains_table.h"
 
+#include <math.h>
 #include <string.h>
 
 struct grains_totals grains_totals(const struct grains *g, const struct grain_box *box, double mass) {
     struct grains_totals p = {.t = grains_time(g), .counts = *grains_counted(g), .impulse = grains_impulses(g)};
-    const double all = mass * grains_number(g);
+    const double all = mass * fmax(1, grains_present(g));
     grains_energy(g, &p.kinetic, &p.potential, p.momentum);
     double mean = 0; /* square of the mean velocity */
     for (int k = 0; k < box->dim; k++) mean += p.momentum[k] * p.momentum[k] / (all * all);
@@ -31,6 +32,8 @@ static status write_row(FILE *f, const struct setup *s, const struct grain_box *
     if (b->shear != 0) fprintf(f, " %.17g %.17g", p->impulse[0][0], p->impulse[0][1]);
     for (int w = 0; b->facets && w < s->mesh->npatches; w++)
         for (int k = 0; is_wall(&s->mesh->patch[w]) && k < b->dim; k++) fprintf(f, " %.17g", p->impulse[w][k]);
+    for (int w = 0; b->facets && b->facets->opens && w < s->mesh->npatches; w++)
+        if (is_wall(&s->mesh->patch[w])) fprintf(f, " %.17g", p->impulse[s->mesh->npatches + w][0]);
     return case_end_row("grains", f);
 }
 
@@ -47,6 +50,8 @@ static status open_table(struct grains_table *p, const struct setup *s, const st
     for (int w = 0; b->facets && w < s->mesh->npatches; w++)
         for (int k = 0; is_wall(&s->mesh->patch[w]) && k < b->dim; k++)
             fprintf(p->file, " impulse_%s_%c", s->mesh->patch[w].name, "xyz"[s->axis[k]]);
+    for (int w = 0; b->facets && b->facets->opens && w < s->mesh->npatches; w++)
+        if (is_wall(&s->mesh->patch[w])) fprintf(p->file, " left_%s", s->mesh->patch[w].name);
     fprintf(p->file, "\n");
     return write_row(p->file, s, b, &p->start);
 }

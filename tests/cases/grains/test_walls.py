@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """granularMD among walls of any shape: rooms of triangles and tetrahedra, and a lattice with a step."""
 import os
+import re
 import shutil
 import subprocess
 import unittest
@@ -32,15 +33,24 @@ Physical Volume("gas") = {4}; Physical Surface("walls") = Surface{:};
 """
 
 
+# A room with a hole in its right side
+HOLE = """Point(1) = {0, 0, 0, 2}; Point(2) = {20, 0, 0, 2}; Point(3) = {20, 16, 0, 2}; Point(4) = {0, 16, 0, 2};
+Point(5) = {20, 6, 0, 2}; Point(6) = {20, 10, 0, 2};
+Line(1) = {1, 2}; Line(2) = {2, 5}; Line(3) = {5, 6}; Line(4) = {6, 3}; Line(5) = {3, 4}; Line(6) = {4, 1};
+Curve Loop(1) = {1:6}; Plane Surface(1) = {1};
+Physical Curve("walls") = {1, 2, 4, 5, 6}; Physical Curve("hole") = {3}; Physical Surface("gas") = {1};
+"""
+
+
 def rules(wall, dim):
     return "boundaryField { %s\".*\" { type %s; } }\n" % ('"front|back" { type empty; } ' if dim == 2 else "", wall)
 
 
-def make(case, geo=None, alpha=0.3, e=1, threshold=0, end=1, interval=1, g=None, more="", particles=None, dim=2):
-    """Grains of diameter 0.8 and mass 1 at T = 1; the mesh by gmsh, or what the folder has already."""
+def make(case, geo=None, alpha=0.3, e=1, threshold=0, end=1, interval=1, g=None, more="", particles=None, dim=2, d=0.8):
+    """Grains of diameter d and mass 1 at T = 1; the mesh by gmsh, or what the folder has already."""
     os.makedirs(case, exist_ok=True)
     files = {"system/controlDict": ("dictionary", CONTROL.format(end=end, interval=interval, format="binary") + more),
-             "constant/granularProperties": ("dictionary", PROPERTIES.format(e=e, threshold=threshold).replace("diameter 1", "diameter 0.8")),
+             "constant/granularProperties": ("dictionary", PROPERTIES.format(e=e, threshold=threshold).replace("diameter 1", f"diameter {d}")),
              "0/alpha": ("volScalarField", f"dimensions [0 0 0 0 0 0 0];\ninternalField uniform {alpha};\n" + rules("zeroGradient", dim)),
              "0/T": ("volScalarField", "dimensions [0 2 -2 0 0 0 0];\ninternalField uniform 1;\n" + rules("zeroGradient", dim)),
              "0/U": ("volVectorField", "dimensions [0 1 -1 0 0 0 0];\ninternalField uniform (0 0 0);\n" + rules("slip", dim))}
@@ -127,6 +137,34 @@ class Walls(harness.Folder, unittest.TestCase):
             room = np.where(y < 0, 2 - r, np.where(y > 4, 4 - r, (2 + y / 2 - r) / cone))
             self.assertGreater(room[(y < -0.2) | (y > 0.2)].min(), 0.4 * (1 - 1e-9))
 
+    def test_hole(self):
+        """Grains that never meet leave through a hole when straight lines between the walls lead there. Restarts to the bit; momentum and
+        energy with what has left."""
+        options = {"alpha": 0.01, "end": 20, "interval": 2, "particles": "N 3000;\n", "d": 1e-7}
+        case, parts = (self.case(name, HOLE, **options) for name in ("hole", "holeParts"))
+        for folder in (case, parts):
+            path = os.path.join(folder, "0", "U")
+            with open(path) as f:
+                text = f.read()
+            with open(path, "w") as f:
+                f.write(text.replace('".*" {', 'hole { type zeroGradient; } ".*" {'))
+        log = solve(case)
+        self.assertLess(max(abs(float(b)) for b in re.findall(r"balance (\S+)\)", log)), 1e-13)
+        rows = columns(case, "grains", "grains.dat")
+        early, late = (grains.read(haff.Case(case), t) for t in ("2", "20"))
+        self.assertEqual(rows["collisions"][-1], 0)
+        self.assertEqual(3000 - len(late["x"]), rows["left_hole"][-1])
+        leaves = [leaves_by_hole(x, u, 18) for x, u in zip(early["x"], early["U"])]
+        self.assertGreater(sum(leaves), 100)
+        np.testing.assert_array_equal(early["id"][~np.array(leaves)], late["id"])
+        for axis in "xy":
+            given = rows[f"impulse_walls_{axis}"] + rows[f"impulse_hole_{axis}"]
+            np.testing.assert_allclose(rows[f"momentum_{axis}"] - rows[f"momentum_{axis}"][0], -given, atol=1e-9)
+        for end in (3.7, 20):
+            harness.edit(parts, "system/controlDict", endTime=end)
+            solve(parts)
+        runs.same(self, results(case, "20"), results(parts, "20"))
+
     def test_step(self):
         """A lattice with a step: its corner is a wall like the others."""
         case = os.path.join(self.folder, "step")
@@ -147,7 +185,7 @@ class Walls(harness.Folder, unittest.TestCase):
     def test_refused(self):
         case = self.case("refused", ROOM)
         for file, change, text in (
-                ("0/U", ("slip", "zeroGradient"), r"0/U:\d+: patch walls: type is zeroGradient, which lets grains in or out"),
+                ("0/U", ("slip", "fixedValue; value uniform (1 0 0)"), r"0/U:\d+: patch walls: type is fixedValue, by which grains would come in"),
                 ("constant/particleProperties", (None, "coarseGraining { kernel Gaussian; }\n"), "fields are means over cells: kernel cell"),
                 ("constant/particleProperties", (None, "N 500;\n"), "N 500\n  the grains jam at a packing fraction")):
             wrong = shutil.copytree(case, os.path.join(self.folder, "wrong"))
@@ -164,6 +202,17 @@ class Walls(harness.Folder, unittest.TestCase):
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, text)
             shutil.rmtree(wrong)
+
+
+def leaves_by_hole(x, u, t):
+    """Does a point come to the hole of the room within t? Its way is straight in a room that is mirrored at the walls."""
+    at = (20 - x[0]) / u[0] if u[0] > 0 else (20 + x[0]) / -u[0]
+    while at < t:
+        y = (x[1] + u[1] * at) % 32
+        if 6 < min(y, 32 - y) < 10:
+            return True
+        at += 40 / abs(u[0])
+    return False
 
 
 def runs_table(case, function, file):
