@@ -26,6 +26,8 @@
 static const double SAFE = 1.2, SAFE_SKEW = 1.6;
 /* |RKC's polynomial| is at most 1/DAMPED from the rate on at which it stops to fall. */
 static const double DAMPED = 10;
+/* A step that would take more stages fails: half of it takes half as many. */
+enum { MOST_STAGES = 1000 };
 /* A cell's matrix of least squares gains a = ALONE times its trace, for cells with neighbours along one axis alone. Its
  * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */
 static const double ALONE = 1e-9;
@@ -462,14 +464,16 @@ static void find_velocity(const struct bed *b, double fallen, double *const *gai
         for (int i = 0; i < b->set.cells; i++) r->V[k][i] = b->lines->u[k][i] + fallen * r->drive[k][i] + gain[k][i];
 }
 
-/* Solves for V; returns which lines of gain hold the result. With T_j Chebyshev's polynomials, T_s(w) = DAMPED and z =
- * -rate/s'th, stage j has the polynomial T_j(w + w1 z)/T_j(w), w1 = T_s(w)/T_s'(w). */
+/* Solves for V; returns which lines of gain hold the result, -1: that takes too many stages. With T_j Chebyshev's
+ * polynomials, T_s(w) = DAMPED and z = -rate/s'th, stage j has the polynomial T_j(w + w1 z)/T_j(w), w1 =
+ * T_s(w)/T_s'(w). */
 static int solve(const struct bed *b, double dt, double rate) {
     const struct bed_friction *r = b->rub;
     const double log_damped = log(DAMPED + sqrt(DAMPED * DAMPED - 1));
     int stages = 1;
     double w, w1;
     do {
+        if (stages == MOST_STAGES) return -1;
         const double angle = log_damped / ++stages;
         w = cosh(angle);
         w1 = DAMPED * sinh(angle) / (stages * sinh(log_damped));
@@ -586,8 +590,9 @@ static void find_state(const struct bed *b, const double gravity[MAX_DIM]) {
     bed_fill(b, 1, &r->share);
 }
 
-status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven) {
+status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven, bool *done) {
     struct bed_friction *r = b->rub;
+    *done = true;
     if (!r) return OK;
     TRY(comm_agree(b->comm, make_room(b, r)));
     find_state(b, gravity);
@@ -601,6 +606,8 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     find_gradients(b, b->lines->u);
     freeze(b, dt, gravity);
     const int last = solve(b, dt, find_rate(b, dt));
+    *done = last >= 0;
+    if (!*done) return OK;
     find_velocity(b, 1, r->gain[last]);
     find_gradients(b, r->V);
     if (driven) {
@@ -631,10 +638,11 @@ static double rub_cell(const struct bed *b, int i) {
     return work + heat;
 }
 
-status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     const struct bed_lines *x = b->lines;
     TRY(bed_ready(b));
-    TRY(bed_rub(b, dt, gravity, false));
+    TRY(bed_rub(b, dt, gravity, false, done));
+    if (!*done) return OK;
     for (int block = 0; block < b->set.blocks; block++) {
         b->set.lift[block] = b->set.work[block] = b->set.peak[block] = b->set.rubbed[block] = 0;
         b->set.peak_cell[block] = 0;

@@ -276,7 +276,8 @@ static void plan_step(struct medium *m, const struct control *c, struct pace *ou
     const char *limit;
     const double bed = gas_bed_step(g->gas, c->max_co, &g->speed, g->fall, &limit);
     limiter_note_beds(&g->refused, g->gas, comm_root(m->setup->comm));
-    if (g->slow >= 0) g->slow = bed > 0 && lacks_friction(g) && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
+    if (g->slow >= 0 && !gas_rubs(&g->models->gas))
+        g->slow = bed > 0 && gas_inertia(g->gas) < SLOWEST ? g->slow + 1 : 0;
     if (!(bed > 0)) return;
     out->stable = c->adjust ? bed : HUGE_VAL; /* what limits the step of a bed is accuracy */
     out->limit = limit;
@@ -454,7 +455,7 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
         g->slow = -1;
         TRY(warn(&m->setup->warnings, WARN_FRICTION,
                  "%s:1: dense gas has been slow for %d steps (inertial number below %g, now %.2g): real grains "
-                 "hold each other by friction there, and without it a heap goes flat; say  friction { type muI; }",
+                 "would hold each other by friction there; without  friction { type muI; }  a heap goes flat",
                  dict_path(g->models->properties), SLOW_STEPS, SLOWEST, gas_inertia(g->gas)));
     }
     return OK;

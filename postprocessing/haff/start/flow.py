@@ -42,6 +42,7 @@ class Flow:
         self.plate = self.floor() if np.any(self.g) and not self.stream else None
         self.layer = self.plate is not None and not self.start
         self.lid = self.opened()
+        self.friction = not self.grains and not o.shaking and not self.stream and bool(np.any(self.g)) and (self.plate is not None or bool(o.problem))
         self.falls = bool(np.any(self.g)) and not self.stream and self.plate is None  # it has no flat floor to lie on, as in a funnel
         self.restitution = o.restitution if o.restitution is not None else 0.95 if self.stream else 0.9
         self.alpha = o.alpha or (0.05 if self.stream else (0.8 if self.d == 2 else 0.6) if self.layer or self.start else 0.2)

@@ -223,6 +223,8 @@ def new_case(o):
         print(f"plate    {numbers_of.plate_text}")
     if o.problem:
         print(f"note     {o.problem.note}")
+    elif numbers_of.friction:
+        print("friction glass beads, friction { type muI; } in constant/granularProperties; type none: a heap goes flat")
     print(f"end      {numbers_of.end:g}, written every {numbers_of.interval:g}")
     for warning in warnings:
         print(warning.replace("./", os.path.join(o.dir, ""), 1))

@@ -8,14 +8,14 @@ from haff.start import geometry
 
 DIAMETER, GRAVITY = 1e-3, 9.81  # m, m/s^2, where none is given
 BUDGET = "{ type energyBudget; writeControl timeStep; writeInterval 10; }"
-NO_FRICTION = "the grains of these equations have no friction with each other"
+FRICTION = "grains rub on each other, friction { type muI; } in constant/granularProperties"
 
 
 @dataclasses.dataclass
 class Problem:
     """geo: text of mesh.geo; kind: {patch: kind}; gravity: vector; start: expression of alpha, where {alpha} is filled in, or None: a layer
     on the floor, `depth` diameters deep; end: time; functions: [(name, dictionary, note)]; look: what haffPlot is to show;
-    implicit: does it take much fewer implicit steps than explicit ones?; note: what today's models leave out."""
+    note: what the models do, and what they leave out."""
     geo: str
     kind: dict
     gravity: list
@@ -23,7 +23,6 @@ class Problem:
     note: str
     start: str = None
     depth: float = None
-    implicit: bool = False
     functions: tuple = ()
     look: str = ""
 
@@ -57,7 +56,7 @@ def chute(angle, d, g):
     a = math.radians(angle)
     return Problem(geometry.box([4 * d, 60 * d], [4, 60], ("left", "right", "floor", "top")), {"left": "periodic", "right": "periodic", "floor": "rough", "top": "outlet"},
                    [float(f"{g * math.sin(a):.6g}"), float(f"{-g * math.cos(a):.6g}"), 0.0], round_up(100 * math.sqrt(d / g)),
-                   f"{NO_FRICTION}: a chute of beads flows steadily between some 21 and 29 degrees, this one creeps below that and speeds up above it",
+                   f"{FRICTION}: the layer rests below 21 degrees, flows steadily up to some 30, and speeds up above; real ones stop at an angle that depends on their depth",
                    depth=15, functions=(("budget", BUDGET, "mass, momentum and energy, and what changes them: is the flow steady?"),), look=" U.x")
 
 
@@ -67,9 +66,8 @@ def silo(opening, d, g):
         raise ValueError(f"-silo {opening:g}: the width of the slot in grain diameters, an even number of 4 to 24")
     flow = f"{{ type surfaceFieldValue; fields (phi); regionType sampledSurface; operation sum; sampledSurfaceDict {{ type plane; basePoint (0 {-1.5 * d:g} 0); normalVector (0 -1 0); }} }}"
     return Problem(silo_geo(int(opening), d), {"wall": "wall", "lid": "wall", "outlet": "outlet"}, [0.0, -g, 0.0], round_up(20 * math.sqrt(d / g)),
-                   f"{NO_FRICTION}: no slot is ever blocked, what stays behind lies flat, and the walls bear no weight",
-                   start=f"y > 0 && y < {24 * d:g} ? {{alpha}} : 1e-5", implicit=opening < 6,  # wider ones take as many implicit steps as explicit ones
-                   functions=(("discharge", flow, "flow rate: grains per second through the slot, over the thickness of the mesh"),
+                   f"{FRICTION}: it runs out steadily; no slot is ever blocked, and smooth walls bear no weight (frictionalSlip does)",
+                   start=f"y > 0 && y < {24 * d:g} ? {{alpha}} : 1e-5", functions=(("discharge", flow, "flow rate: grains per second through the slot, over the thickness of the mesh"),
                               ("content", "{ type volFieldValue; fields (rho); operation volIntegrate; }", "grains that are left")))
 
 
@@ -80,8 +78,8 @@ def column(aspect, d, g):
     width, height = 16, max(round(16 * aspect), 4)
     long, high = width + 2 * max(height, width), round(1.25 * height) + 4
     return Problem(geometry.box([long * d, high * d], [long, high], ("left", "right", "floor", "top")), {"left": "wall", "right": "wall", "floor": "rough", "top": "wall"},
-                   [0.0, -g, 0.0], round_up(5 * math.sqrt(2 * height * d / g)), f"{NO_FRICTION}: the heap keeps no angle, and levels out in the end",
-                   start=f"x < {width * d:g} && y < {height * d:g} ? {{alpha}} : 1e-5", implicit=True,
+                   [0.0, -g, 0.0], round_up(5 * math.sqrt(2 * height * d / g)), f"{FRICTION}: the heap keeps its slope",
+                   start=f"x < {width * d:g} && y < {height * d:g} ? {{alpha}} : 1e-5",
                    functions=(("budget", BUDGET, "mass, momentum and energy, and what changes them: is it at rest?"),))
 
 

@@ -109,6 +109,8 @@ def properties(keywords, flow):
     f.entry("equationOfState", f"Torquato{'Disks' if flow.d == 2 else 'Spheres'}")
     f.entry("cooling", "GarzoDufty" if flow.restitution < 1 else "none")
     f.entry("transport", "GarzoDufty" if flow.transport else "none")
+    if flow.friction:
+        f.dictionary("friction", [("type", "muI"), ("muStatic", "0.38"), ("muDynamic", "0.64"), ("I0", "0.279")], "of grains that stay in contact, here glass beads; without it a heap goes flat")
     return f.text()
 
 
@@ -147,7 +149,7 @@ def control(keywords, flow, version):
     f.entry("haffVersion", version, "the version of haff that this case was written for")
     f.note("")
     f.entry("startFrom", "latestTime", "a run that was stopped goes on; the first starts from 0.orig")
-    if flow.start and flow.o.problem.implicit:
+    if flow.start:
         f.entry("acceptWarnings", "(dampedSound)", "how the grains flow and rest is wanted here, not the sound in them")
     f.entry("stopAt", "endTime", "or writeNow, which stops a run that is going on")
     f.entry("endTime", f"{flow.end:.12g}")
@@ -191,10 +193,8 @@ def schemes(keywords, flow):
 
 def solution(keywords, flow):
     f = File(keywords, "system/fvSolution")
-    if flow.start and flow.o.problem.implicit:
-        f.entry("acoustics", "{ type implicit; }", "dense gas takes implicit steps, as long as its flow allows; explicit: for shocks in dense gas")
-    elif flow.start:
-        f.entry("acoustics", "{ type explicit; }", "steps follow each wave of sound; implicit ones are no longer here")
+    if flow.start:
+        f.entry("acoustics", "{ type implicit; }", "dense gas takes implicit steps, as friction asks for; they are as long as its flow allows")
     elif flow.stream:
         f.entry("acoustics", "{ type explicit; }", "steps follow each wave of sound: for shocks; automatic: dense slow gas takes longer ones")
     elif flow.falls and not flow.geometry.lattice:

@@ -43,10 +43,31 @@ def velocity_at(case, _, time, height):
     return float(case.field("U", time)[np.argmin(np.abs(case.centres[:, 1] - height)), 0])
 
 
+def content(case, time):
+    """Area above y = 0 that the grains there would take at packing MOST (m^2), on a lattice."""
+    _, _, width = depths(case, time)
+    return float(case.field("alpha", time)[case.centres[:, 1] > 0].sum()) * width ** 2 / MOST
+
+
+def outflow(case, _, time, span):
+    """Of that content, in a second (m^2/s), over a span of time before."""
+    earlier = case.time(float(time) - span)
+    return (content(case, earlier) - content(case, time)) / (float(time) - float(earlier))
+
+
+def slope_between(case, _, time, ends):
+    """In degrees, of a straight line through the depths between two places x (m), downwards along x."""
+    x, depth, _ = depths(case, time)
+    on = (x > ends[0]) & (x < ends[1])
+    return float(-np.degrees(np.arctan(np.polyfit(x[on], depth[on], 1)[0])))
+
+
 QUANTITIES = {
     "run-out over the width": run_out,
     "depth at x": depth_at,
     "slope above that depth": slope,
+    "slope from 4 to 18 mm": lambda case, field, time: slope_between(case, field, time, (0.004, 0.018)),
+    "outflow over a span": outflow,
     "speed of packed gas": packed_speed,
     "velocity along x at height": velocity_at,
 }

@@ -11,6 +11,7 @@ Grains take the place of those of disks.Disks, whose flows between walls they sh
 import os
 
 import numpy as np
+from scipy.optimize import brentq
 
 from haff import paths
 from haff.start import enskog
@@ -91,3 +92,22 @@ def grains(field):
     with open(os.path.join(paths.TOP, "cases", "couetteSpheres", "grains.csv"), encoding="utf-8") as f:
         rows = [line.strip().split(",") for line in f if line.startswith(field + ",")]
     return np.array([row[1:] for row in rows], float).T
+
+
+class Incline:
+    """A thick layer that flows down a slope of an angle in degrees, by the local balance: s/p = tan(angle) in each depth, so that packing
+    and inertial number do not change with it. Units: diameter and density of a grain, gravity. T over p is `heat`, u at the surface of a
+    layer of the height h is `surface` h^(3/2). ValueError: no packing has that s/p."""
+
+    def __init__(self, gas, angle):
+        slope, cosine = np.tan(np.radians(angle)), np.cos(np.radians(angle))
+        self.packing = brentq(lambda nu: steady(gas, nu)[2] - slope, 0.4, gas.packed - 1e-9)
+        T, p, _ = steady(gas, self.packing)
+        p *= gas.per
+        self.inertial, self.heat = p**-0.5, T / p
+        self.surface = 2 / 3 * self.inertial * np.sqrt(self.packing * cosine)
+
+
+def yield_angle(gas):
+    """The least angle of an incline on which a thick layer flows."""
+    return float(np.degrees(np.arctan(steady(gas, gas.packed - 1e-9)[2])))

@@ -16,8 +16,11 @@ class Made:
         height = np.clip(10.24 - 0.5 * x, 0, None)
         self.fields = {"alpha": 0.64 * np.clip(height - (y - 0.5), 0, 1), "U": np.stack([y, 0 * y, 0 * y], axis=1)}
 
-    def field(self, name, _):
-        return self.fields[name]
+    def field(self, name, time):
+        return self.fields[name] * (1 - float(time) if name == "alpha" else 1)
+
+    def time(self, value):
+        return f"{value:g}"
 
 
 class Heaps(unittest.TestCase):
@@ -34,6 +37,15 @@ class Heaps(unittest.TestCase):
     def test_run_out(self):
         """The depth is 1 mm at x = 18.48 mm: the last column that is a cell deep ends at 18 mm."""
         self.assertAlmostEqual(heaps.run_out(self.case, None, 0, 9e-3), 1)
+
+    def test_outflow(self):
+        """A tenth of the content in a tenth of a second."""
+        whole = heaps.content(self.case, 0)
+        self.assertAlmostEqual(whole, 1e-6 * np.clip(10.24 - 0.5 * (np.arange(40) + 0.5), 0, None).sum(), places=12)
+        self.assertAlmostEqual(heaps.outflow(self.case, None, "0.1", 0.1), whole, places=12)
+
+    def test_slope_between(self):
+        self.assertAlmostEqual(heaps.slope_between(self.case, None, 0, (4e-3, 18e-3)), np.degrees(np.arctan(0.5)), places=6)
 
     def test_velocities(self):
         self.assertEqual(heaps.velocity_at(self.case, None, 0, 4.4e-3), 4.5)
