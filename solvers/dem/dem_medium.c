@@ -210,11 +210,11 @@ static status medium_log(struct medium *m, FILE *f, struct log_row *row) {
     fprintf(f, "    steps of %.4g s, limited by %s; at t = %.10g: grains %d  contacts %ld  T %.6g\n", r->span.dt,
             r->span.dt < 0.999 * r->longest ? "the next sample or write" : "the contact time", r->moment_t, s->n,
             s->contacts, s->T);
-    fprintf(f,
-            "    energy: kinetic %.6g  spin %.6g  potential %.6g  springs %.6g  lost: normal %.6g  tangential %.6g  "
-            "friction %.6g",
-            s->kinetic, s->spin, s->potential, s->normal_spring + s->tangent_spring, r->account.normal,
-            r->account.tangent, dem_run_friction(r));
+    fprintf(f, "    energy: kinetic %.6g  spin %.6g  potential %.6g  springs %.6g", s->kinetic, s->spin, s->potential,
+            s->normal_spring + s->tangent_spring);
+    if (r->account.normal > 0)
+        fprintf(f, "  lost by the samples: normal %.6g  tangential %.6g  friction %.6g", r->account.normal,
+                r->account.tangent, dem_run_friction(r));
     if (r->spent > 0) fprintf(f, "  %.3g million grain steps/s", 1e-6 * s->n * (double)r->steps / r->spent);
     fprintf(f, "\n");
     return OK;
