@@ -183,7 +183,8 @@ static status prepare(struct bed *b) {
 
 static status advance(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     memcpy(b->lines->first_p, b->lines->p, (size_t)b->set.cells * sizeof(double));
-    TRY(bed_rub(b, dt, gravity, true));
+    TRY(bed_rub(b, dt, gravity, true, done));
+    if (!*done) return OK;
     TRY(bed_find_pressure(b, dt, gravity, done));
     if (!*done) return OK;
     const bool updated = bed_update(b, dt, gravity);

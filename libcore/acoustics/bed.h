@@ -180,8 +180,8 @@ void bed_note_start(struct bed *b);
  * be done again with a shorter dt; then U is lost. Collective. */
 status bed_step(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
 /* Lets friction alone act on the bed over dt, behind an explicit step; gravity as in bed_step, for the weight on faces.
- * Sets home->U, `rubbed`, `kept` of walls and what friction keeps. Collective. */
-status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM]);
+ * Sets home->U, `rubbed`, `kept` of walls and what friction keeps. *done as in bed_step. Collective. */
+status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
 /* After a step: sets home->pushed to the momentum along an axis (N s) that gravity and `balance` gave to the cells, the
  * latter on faces that are no walls. */
 void bed_push(struct bed *b, double dt, const double gravity[MAX_DIM], int axis);

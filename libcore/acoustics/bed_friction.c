@@ -26,6 +26,8 @@
 static const double SAFE = 1.2, SAFE_SKEW = 1.6;
 /* |RKC's polynomial| is at most 1/DAMPED from the rate on at which it stops to fall. */
 static const double DAMPED = 10;
+/* A step that would take more stages fails: half of it takes half as many. */
+enum { MOST_STAGES = 1000 };
 /* A cell's matrix of least squares gains a = ALONE times its trace, for cells with neighbours along one axis alone. Its
  * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */
 static const double ALONE = 1e-9;
@@ -50,6 +52,31 @@ struct bed_friction {
     double *cells, *sides, *of_faces;                /* the memory of the lines */
     struct arrays arrays;
 };
+
+struct sizes { /* solved axes, components of the velocity: constants in the loops of the stages, which so unroll */
+    int dim, components;
+};
+/* Calls a function of the bed, V and sizes with the bed's sizes. */
+#define WITH_SIZES(function, b, V)                                                                                     \
+    switch (4 * (b)->dim + (b)->components) {                                                                          \
+    case 5:                                                                                                            \
+        function(b, V, (struct sizes){1, 1});                                                                          \
+        break;                                                                                                         \
+    case 6:                                                                                                            \
+        function(b, V, (struct sizes){1, 2});                                                                          \
+        break;                                                                                                         \
+    case 7:                                                                                                            \
+        function(b, V, (struct sizes){1, 3});                                                                          \
+        break;                                                                                                         \
+    case 10:                                                                                                           \
+        function(b, V, (struct sizes){2, 2});                                                                          \
+        break;                                                                                                         \
+    case 11:                                                                                                           \
+        function(b, V, (struct sizes){2, 3});                                                                          \
+        break;                                                                                                         \
+    default:                                                                                                           \
+        function(b, V, (struct sizes){3, 3});                                                                          \
+    }
 
 struct face_view { /* a face with friction */
     int face, left, right, shape;
@@ -106,13 +133,13 @@ static bool rubs_at(const struct bed *b, int f) {
     return b->set.kind[f] == BED_INNER || (b->set.kind[f] == BED_WALL && b->set.wall_friction[f] > 0);
 }
 
-static struct face_view view_of(const struct bed *b, int f) {
+ALWAYS_INLINE struct face_view view_with(const struct bed *b, int f, const int dim) {
     const struct bed_shapes *s = b->set.shapes;
     const int shape = b->set.shape[f];
     struct face_view v = {.face = f, .left = b->set.left[f], .right = b->set.right[f], .shape = shape};
     const bool inner = b->set.kind[f] == BED_INNER, right = v.left < 0;
     v.depth = inner ? s->depth[0][shape] + s->depth[1][shape] : s->depth[right][shape];
-    for (int k = 0; k < b->dim; k++) {
+    for (int k = 0; k < dim; k++) {
         v.n[k] = s->normal[k][shape];
         v.to[k] =
             inner ? s->arm[0][k][shape] - s->arm[1][k][shape] : (right ? -s->arm[1][k][shape] : s->arm[0][k][shape]);
@@ -120,46 +147,55 @@ static struct face_view view_of(const struct bed *b, int f) {
     return v;
 }
 
+static struct face_view view_of(const struct bed *b, int f) {
+    return view_with(b, f, b->dim);
+}
+
 /* Sets jump to the difference of the velocity V from the left to the right of a face, a wall's being its own along it
  * and none across it, and mean to the gradients along the face. */
-static void look_at_face(const struct bed *b, const struct face_view *v, double *const *V, double jump[MAX_DIM],
-                         double mean[MAX_DIM][MAX_DIM]) {
+ALWAYS_INLINE void look_at_face(const struct bed *b, const struct face_view *v, double *const *V, struct sizes n,
+                                double jump[MAX_DIM], double mean[MAX_DIM][MAX_DIM]) {
     const struct bed_friction *r = b->rub;
     const int l = v->left, q = v->right;
     if (l >= 0 && q >= 0) {
         const double all = r->share[l] + r->share[q], w = r->share[l] / all;
-        for (int m = 0; m < b->components; m++) jump[m] = V[m][q] - V[m][l];
-        for (int k = 0; k < b->dim; k++)
-            for (int m = 0; m < b->components; m++)
+        for (int m = 0; m < n.components; m++) jump[m] = V[m][q] - V[m][l];
+        for (int k = 0; k < n.dim; k++)
+            for (int m = 0; m < n.components; m++)
                 mean[k][m] = w * r->gradient[k][m][l] + (1 - w) * r->gradient[k][m][q];
         return;
     }
     const int i = l >= 0 ? l : q;
     double across = 0;
-    for (int k = 0; k < b->dim; k++) across += v->n[k] * (b->set.wall_speed[k][v->face] - V[k][i]);
-    for (int m = 0; m < b->components; m++) {
-        const double change = b->set.wall_speed[m][v->face] - V[m][i] - (m < b->dim ? across * v->n[m] : 0);
+    for (int k = 0; k < n.dim; k++) across += v->n[k] * (b->set.wall_speed[k][v->face] - V[k][i]);
+    for (int m = 0; m < n.components; m++) {
+        const double change = b->set.wall_speed[m][v->face] - V[m][i] - (m < n.dim ? across * v->n[m] : 0);
         jump[m] = l >= 0 ? change : -change;
     }
-    for (int k = 0; k < b->dim; k++)
-        for (int m = 0; m < b->components; m++) mean[k][m] = 0;
+    for (int k = 0; k < n.dim; k++)
+        for (int m = 0; m < n.components; m++) mean[k][m] = 0;
 }
 
 /* Computes D' on a face, the numbers [tensors] in rows of the upper half. */
-static void strain_of(const struct bed *b, const struct face_view *v, double *const *V, double D[TENSOR]) {
+ALWAYS_INLINE void strain_with(const struct bed *b, const struct face_view *v, double *const *V, struct sizes n,
+                               double D[TENSOR]) {
     double jump[MAX_DIM], G[MAX_DIM][MAX_DIM] = {{0}}, trace = 0;
     const double axes = b->material->disks ? 2 : 3;
-    look_at_face(b, v, V, jump, G);
-    for (int m = 0; m < b->components; m++) {
-        for (int k = 0; k < b->dim; k++) jump[m] -= v->to[k] * G[k][m];
+    look_at_face(b, v, V, n, jump, G);
+    for (int m = 0; m < n.components; m++) {
+        for (int k = 0; k < n.dim; k++) jump[m] -= v->to[k] * G[k][m];
         jump[m] /= v->depth;
     }
-    for (int m = 0; m < b->components; m++)
-        for (int k = 0; k < b->dim; k++) G[k][m] += v->n[k] * jump[m];
-    for (int k = 0; k < b->dim; k++) trace += G[k][k];
-    for (int i = 0, at = 0; i < b->components; i++)
-        for (int j = i; j < b->components; j++, at++)
+    for (int m = 0; m < n.components; m++)
+        for (int k = 0; k < n.dim; k++) G[k][m] += v->n[k] * jump[m];
+    for (int k = 0; k < n.dim; k++) trace += G[k][k];
+    for (int i = 0, at = 0; i < n.components; i++)
+        for (int j = i; j < n.components; j++, at++)
             D[at] = i == j ? G[i][i] - trace / axes : 0.5 * (G[i][j] + G[j][i]);
+}
+
+static void strain_of(const struct bed *b, const struct face_view *v, double *const *V, double D[TENSOR]) {
+    strain_with(b, v, V, (struct sizes){b->dim, b->components}, D);
 }
 
 /* Returns |a| = sqrt(a:a/2) of a tensor without trace. */
@@ -176,12 +212,12 @@ static double size_of(const struct bed *b, const double a[TENSOR]) {
 }
 
 /* Computes a n. */
-static void apply(const struct bed *b, const double a[TENSOR], const double n[MAX_DIM], double out[MAX_DIM]) {
-    for (int m = 0; m < b->components; m++) out[m] = 0;
-    for (int i = 0, at = 0; i < b->components; i++)
-        for (int j = i; j < b->components; j++, at++) {
-            if (i < b->dim) out[j] += n[i] * a[at];
-            if (j != i && j < b->dim) out[i] += n[j] * a[at];
+ALWAYS_INLINE void apply(struct sizes of, const double a[TENSOR], const double n[MAX_DIM], double out[MAX_DIM]) {
+    for (int m = 0; m < of.components; m++) out[m] = 0;
+    for (int i = 0, at = 0; i < of.components; i++)
+        for (int j = i; j < of.components; j++, at++) {
+            if (i < of.dim) out[j] += n[i] * a[at];
+            if (j != i && j < of.dim) out[i] += n[j] * a[at];
         }
 }
 
@@ -243,29 +279,35 @@ static void fit_cell(const struct bed *b, int i) {
 
 /* Returns the difference of component m of V from cell i to what is across a side: a rough wall, the mirror image at
  * others. */
-static double change_across(const struct bed *b, const struct bed_side *s, int i, double *const *V, int m) {
+ALWAYS_INLINE double change_across(const struct bed *b, const struct bed_side *s, int i, double *const *V, int m) {
     if (b->set.kind[s->face] == BED_INNER) return V[m][bed_across(b, s)] - V[m][i];
     if (rubs_at(b, s->face)) return b->set.wall_speed[m][s->face] - V[m][i];
     if (m >= b->dim) return 0;
     return -2 * b->set.shapes->normal[m][s->shape] * bed_normal_speed(b, V, i, s->shape);
 }
 
-static void find_gradients(const struct bed *b, double *const *V) {
+ALWAYS_INLINE void gradients_with(const struct bed *b, double *const *V, struct sizes n) {
     const struct bed_friction *r = b->rub;
-    bed_fill(b, b->components, V);
-    for (int i = 0; i < b->set.cells; i++)
-        for (int m = 0; m < b->components; m++) {
-            double sum[MAX_DIM] = {0};
-            if (r->share[i] == 0) continue;
-            for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
-                const struct bed_side s = bed_side(b, j);
-                if (b->set.kind[s.face] > BED_WALL) continue;
+    for (int i = 0; i < b->set.cells; i++) {
+        double sum[MAX_DIM][MAX_DIM] = {{0}};
+        if (r->share[i] == 0) continue;
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            if (b->set.kind[s.face] > BED_WALL) continue;
+            for (int m = 0; m < n.components; m++) {
                 const double change = change_across(b, &s, i, V, m);
-                for (int k = 0; k < b->dim; k++) sum[k] += r->fit[k][j] * change;
+                for (int k = 0; k < n.dim; k++) sum[k][m] += r->fit[k][j] * change;
             }
-            for (int k = 0; k < b->dim; k++) r->gradient[k][m][i] = sum[k];
         }
-    for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, r->gradient[k]);
+        for (int k = 0; k < n.dim; k++)
+            for (int m = 0; m < n.components; m++) r->gradient[k][m][i] = sum[k][m];
+    }
+}
+
+static void find_gradients(const struct bed *b, double *const *V) {
+    bed_fill(b, b->components, V);
+    WITH_SIZES(gradients_with, b, V)
+    for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, b->rub->gradient[k]);
 }
 
 /* ---- forces ---- */
@@ -411,19 +453,23 @@ static double find_rate(const struct bed *b, double dt) {
     return most;
 }
 
-/* Finds the tractions for V, whose gradients are known. */
-static void find_tractions(const struct bed *b, double *const *V) {
+ALWAYS_INLINE void tractions_with(const struct bed *b, double *const *V, struct sizes n) {
     const struct bed_friction *r = b->rub;
     for (int e = 0; e < r->faces; e++) {
         const int f = r->face[e];
         double D[TENSOR], t[MAX_DIM];
         if (r->part[f] == 0) continue;
-        const struct face_view v = view_of(b, f);
-        strain_of(b, &v, V, D);
-        for (int i = 0; i < r->tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
-        apply(b, D, v.n, t);
-        for (int k = 0; k < b->components; k++) r->traction[k][f] = t[k];
+        const struct face_view v = view_with(b, f, n.dim);
+        strain_with(b, &v, V, n, D);
+        for (int i = 0; i < n.components * (n.components + 1) / 2; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
+        apply(n, D, v.n, t);
+        for (int k = 0; k < n.components; k++) r->traction[k][f] = t[k];
     }
+}
+
+/* Finds the tractions for V, whose gradients are known. */
+static void find_tractions(const struct bed *b, double *const *V) {
+    WITH_SIZES(tractions_with, b, V)
 }
 
 struct combined { /* gain = before[0] of the last stage, before[1] of that before, now times dt div tau/rho */
@@ -462,14 +508,16 @@ static void find_velocity(const struct bed *b, double fallen, double *const *gai
         for (int i = 0; i < b->set.cells; i++) r->V[k][i] = b->lines->u[k][i] + fallen * r->drive[k][i] + gain[k][i];
 }
 
-/* Solves for V; returns which lines of gain hold the result. With T_j Chebyshev's polynomials, T_s(w) = DAMPED and z =
- * -rate/s'th, stage j has the polynomial T_j(w + w1 z)/T_j(w), w1 = T_s(w)/T_s'(w). */
+/* Solves for V; returns which lines of gain hold the result, -1: that takes too many stages. With T_j Chebyshev's
+ * polynomials, T_s(w) = DAMPED and z = -rate/s'th, stage j has the polynomial T_j(w + w1 z)/T_j(w), w1 =
+ * T_s(w)/T_s'(w). */
 static int solve(const struct bed *b, double dt, double rate) {
     const struct bed_friction *r = b->rub;
     const double log_damped = log(DAMPED + sqrt(DAMPED * DAMPED - 1));
     int stages = 1;
     double w, w1;
     do {
+        if (stages == MOST_STAGES) return -1;
         const double angle = log_damped / ++stages;
         w = cosh(angle);
         w1 = DAMPED * sinh(angle) / (stages * sinh(log_damped));
@@ -586,8 +634,9 @@ static void find_state(const struct bed *b, const double gravity[MAX_DIM]) {
     bed_fill(b, 1, &r->share);
 }
 
-status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven) {
+status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven, bool *done) {
     struct bed_friction *r = b->rub;
+    *done = true;
     if (!r) return OK;
     TRY(comm_agree(b->comm, make_room(b, r)));
     find_state(b, gravity);
@@ -601,6 +650,8 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     find_gradients(b, b->lines->u);
     freeze(b, dt, gravity);
     const int last = solve(b, dt, find_rate(b, dt));
+    *done = last >= 0;
+    if (!*done) return OK;
     find_velocity(b, 1, r->gain[last]);
     find_gradients(b, r->V);
     if (driven) {
@@ -631,10 +682,11 @@ static double rub_cell(const struct bed *b, int i) {
     return work + heat;
 }
 
-status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM]) {
+status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     const struct bed_lines *x = b->lines;
     TRY(bed_ready(b));
-    TRY(bed_rub(b, dt, gravity, false));
+    TRY(bed_rub(b, dt, gravity, false, done));
+    if (!*done) return OK;
     for (int block = 0; block < b->set.blocks; block++) {
         b->set.lift[block] = b->set.work[block] = b->set.peak[block] = b->set.rubbed[block] = 0;
         b->set.peak_cell[block] = 0;

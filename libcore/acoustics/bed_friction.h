@@ -8,7 +8,8 @@
 status bed_friction_make(struct bed *b); /* nothing, if the bed has no law of friction */
 void bed_friction_free(struct bed_friction *r);
 /* Finds what friction does over dt: lines rubbed, push and traction; sets b->set.stress. Its pressures are those of
- * b->set.pressure. driven: are weight and pressure to act in the same step? Collective. */
-status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven);
+ * b->set.pressure. driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too
+ * long. Collective. */
+status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven, bool *done);
 
 #endif

@@ -12,8 +12,10 @@
  * Bounds. Let out = sum_f (mass out of the cell + |P_f| + K_f). What stays behind, rho phi V - sum of what leaves, must
  * be a mixture of the values in the cell and around it: the slope of a cell is multiplied by the greatest factor <= 1
  * for which that is so, and for which each phi_f lies between the least and the largest of these values. For out <= rho
- * V phi' is then a mean of values of phi, with weights >= 0. A step in which more leaves a cell is cut into equal
- * parts.
+ * V phi' is then a mean of values of phi, with weights >= 0. What percolates makes a mixture richer than its
+ * neighbours, but no less than 0 and no more than 1, as small grains leave a cell as P_f phi_f at most, and large ones
+ * as P_f (1 - phi_f). On polyhedra K_f counts twice: gradients bring at most as much as would take phi to its bounds. A
+ * step in which more leaves a cell is cut into equal parts.
  *
  * Nothing here costs anything in a gas that carries nothing: g->carried is NULL. */
 #ifndef LIBCORE_GAS_CARRIED_H
@@ -36,8 +38,8 @@ struct carried {
      * mass in the attempt so far (kg; on a lattice per area); P and K of the quantity in hand */
     long faces;
     double **flux, **mass, **exchange, **spread;
-    double *
-        *slope; /* [blocks][1 + dim] lines of cells, of the engine: phi_f is phi + line 0 + slopes * way to the face */
+    /* [blocks] of 1 + dim lines of cells, of the engine: phi_f is phi + line 0 + slopes * way to the face */
+    double **slope;
     /* [blocks][size], with a layer of ghosts: rho, the less of before and behind the step; D; f. NULL without terms.
      * rho T and its slope along `up`; NULL unless a kind asks for it */
     double **rho, **D, **f, **stress, **rise;

@@ -293,14 +293,15 @@ void dense_keep(struct gas *g, double weight) {
 
 bool dense_rub(struct gas *g, double t, double dt, const struct state *to) {
     struct dense *d = g->dense;
+    bool done = false;
     d->failed = dense_listed(g);
     if (d->failed) return false;
     source_kick(&g->models.source, t, dt, d->kick);
     for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
     dense_take(g, to);
     dense_take_friction(g);
-    d->failed = bed_rub_alone(&d->bed, dt, d->kick);
-    if (d->failed) return false;
+    d->failed = bed_rub_alone(&d->bed, dt, d->kick, &done);
+    if (d->failed || !done) return false;
     double bad = (double)dense_put(g, to);
     comm_max(g->comm, &bad, 1);
     return bad == 0;

@@ -103,7 +103,7 @@ static void find_lying(const struct gas *g, const struct row *row) {
     }
     for (int i = 0; i < row->n; i++) {
         const double rho = U[i];
-        double eps = U[(g->nvar - 1) * g->size + i] / rho;
+        double eps = U[energy_at(g) * g->size + i] / rho;
         for (int k = g->components; k >= 1; k--) eps -= 0.5 * (U[k * g->size + i] / rho) * (U[k * g->size + i] / rho);
         const double fall = volume ? sqrt(square) * pow(volume[row->at + i], 1. / g->dim) : sqrt(h);
         const double T = (g->models.material.disks ? 1 : 2. / 3) * eps;

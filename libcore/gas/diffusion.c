@@ -291,7 +291,7 @@ static void dilate_visit(void *between, const struct row *row) {
     double spread[BATCH], *to = b->to->block[row->block] + row->at;
     g->engine->diffusion.spread(g, b->from, b->to, row, spread);
     dilate_row(g, row->n, b->dt, g->diffusion.dilation[row->block] + row->at, spread,
-               b->from->block[row->block] + row->at, to + (g->components + 1) * g->size);
+               b->from->block[row->block] + row->at, to + energy_at(g) * g->size);
 }
 
 /* Takes the heat dilation div u over dt from `mid`, the result of the stress on `from`, if the law has that term. */

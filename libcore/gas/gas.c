@@ -176,7 +176,7 @@ static status set_state(struct gas *g, long n, const double *rho, const double *
             square += u[k][i] * u[k][i];
         }
         U[0][i] = rho[i];
-        U[g->components + 1][i] = rho[i] * (eps_of(&g->models.material, T[i]) + 0.5 * square);
+        U[energy_at(g)][i] = rho[i] * (eps_of(&g->models.material, T[i]) + 0.5 * square);
     }
     set(g, (const double *const *)U);
     free(all);

@@ -211,6 +211,11 @@ struct gas {
     struct books books;
 };
 
+/* The place of E among the variables: behind rho and the components of rho u. */
+static inline int energy_at(const struct gas *g) {
+    return g->components + 1;
+}
+
 /* Sets g->step.speed to the maxima over the ranks, unless a rank says that its speeds are void: then returns false.
  * Collective. */
 bool speed_agree(struct gas *g, const struct gas_speed *mine, bool is_void);

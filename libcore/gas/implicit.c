@@ -303,7 +303,7 @@ static void matrix_row(void *weighing, const struct row *row) {
     for (int i = 0; i < row->n; i++) {
         const long at = row->at + i;
         const double volume = g->blocks.volume ? g->blocks.volume[at] : 1;
-        *w->energy++ = volume * U[(g->components + 1) * g->size + at];
+        *w->energy++ = volume * U[energy_at(g) * g->size + at];
         *w->mass = volume * U[at];
         weigh_cell(w, row->block, at, *w->mass++);
     }

@@ -25,7 +25,7 @@ static void apply(const struct rule *rule, const struct patch_line *l, int first
 
 /* Turns rho, rho u, E into rho, u, T (or p), in place. */
 static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
-    double kinetic[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[g->components + 1];
+    double kinetic[BATCH] = {0}, p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[energy_at(g)];
     for (int k = 1; k <= g->components; k++)
         for (int i = 0; i < n; i++) {
             q[k][i] /= q[0][i];
@@ -37,7 +37,7 @@ static void to_primitive(const struct gas *g, bool pressure, int n, double (*q)[
 }
 
 static void to_conserved(const struct gas *g, bool pressure, int n, double (*q)[BATCH]) {
-    double p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[g->components + 1];
+    double p[BATCH], c2[BATCH], gruneisen[BATCH], *energy = q[energy_at(g)];
     eos_unit_state(g->models.eos, &g->models.material, n, q[0], p, c2, gruneisen);
     for (int i = 0; i < n; i++) {
         double eps = pressure ? eps_at_pressure(energy[i], p[i], 1) : eps_of(&g->models.material, energy[i]);
@@ -62,7 +62,7 @@ static void unpack(const struct gas *g, const struct patch_rules *r, const struc
 
 void patch_ghosts(const struct gas *g, const struct patch_rules *r, const struct patch_line *l, double (*inner)[BATCH],
                   double (*ghost)[BATCH]) {
-    int last = g->components + 1;
+    int last = energy_at(g);
     if (!patch_needs_values(r)) { /* on the conserved variables themselves, so that a mirror image is exact */
         memcpy(ghost[0], inner[0], (size_t)l->n * sizeof(double));
         const struct rule mirror = {.type = boundary_mirror};
@@ -134,7 +134,7 @@ static void wall_values(const struct gas *g, const struct patch_rules *r, int n,
 /* Gas on an open patch has the state beyond the patch, on it: layer 0. */
 static void open_values(const struct gas *g, const struct patch_rules *r, int n, const int *face,
                         double *const normal[3], double *const q[MAX_VAR]) {
-    const int last = g->components + 1;
+    const int last = energy_at(g);
     const struct material *material = &g->models.material;
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH], per[BATCH];
     const struct patch_line line = {.n = n, .face = face, .outflow = outflow};
@@ -184,10 +184,10 @@ static void find_enthalpy(const struct gas *g, int n, double (*q)[BATCH], double
     for (int i = 0; i < n; i++) {
         double kinetic = 0;
         for (int k = 1; k <= g->components; k++) kinetic += 0.5 * (q[k][i] / q[0][i]) * (q[k][i] / q[0][i]);
-        eps[i] = q[g->components + 1][i] / q[0][i] - kinetic;
+        eps[i] = q[energy_at(g)][i] / q[0][i] - kinetic;
     }
     g->models.eos->state(&g->models.material, n, q[0], eps, p, c2, gruneisen);
-    for (int i = 0; i < n; i++) out[i] = q[g->components + 1][i] + p[i];
+    for (int i = 0; i < n; i++) out[i] = q[energy_at(g)][i] + p[i];
 }
 
 /* Computes the density that gas which flows in has on the patch. */
@@ -206,7 +206,7 @@ static void take_cells(const struct gas *g, const double *U, int n, const int *a
 }
 
 void feed_fluxes(const struct gas *g, const struct patch_rules *r, const struct fed_faces *f) {
-    const int last = g->components + 1, n = f->n;
+    const int last = energy_at(g), n = f->n;
     double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], enthalpy[BATCH], rho[BATCH], mass[BATCH];
     double(*flux)[BATCH] = f->flux;
     take_cells(g, f->U, n, f->in, inner);

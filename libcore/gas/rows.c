@@ -141,7 +141,7 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
             weigh_some(n, g->falling.gravity[k], share, U[0], U[k + 1], residual[k + 1], power);
         else if (g->models.source.gravity[k] != 0)
             weigh_all(n, g->falling.gravity[k], U[0], U[k + 1], residual[k + 1], power);
-    add_power(n, power, residual[g->components + 1]);
+    add_power(n, power, residual[energy_at(g)]);
 }
 
 void drop_begin(const struct gas *g) {
@@ -163,7 +163,7 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
             work += kick * (s->from[(k + 1) * size + i] + moved + 0.5 * rho * kick);
             more += kick * (moved + 0.5 * rho * kick);
         }
-        s->to[(g->components + 1) * size + i] += (1 - a) * work;
+        s->to[energy_at(g) * size + i] += (1 - a) * work;
         if (part && part[i] > 0) continue;
         dropped[i * g->floors.step] += more;
         if (g->falling.denser)
@@ -238,7 +238,7 @@ KERNEL static void moved_line(int n, double factor, const double *restrict from,
 }
 
 int move_row(struct gas *g, const struct moved *m) {
-    const int n = m->row.n, energy = g->components + 1;
+    const int n = m->row.n, energy = energy_at(g);
     double moved[BATCH];
     for (int v = 0; v < g->nvar; v++) {
         const bool line = m->what == VISCOUS && v > 0 && v < energy, changes = line || v == energy;

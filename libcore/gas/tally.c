@@ -83,7 +83,7 @@ void tally_mark(struct gas *g, bool back) {
 void tally_mark_heat(struct gas *g, bool back) {
     const struct tally *t = g->books.tally;
     if (!t) return;
-    double *const heat = t->passed[g->nvar - 1];
+    double *const heat = t->passed[energy_at(g)];
     memcpy(back ? heat : t->warm, back ? t->warm : heat, (size_t)t->faces * sizeof(double));
 }
 
@@ -103,9 +103,9 @@ void tally_face(const struct gas *g, int i, double scale, struct gas_face *out) 
         out->pressure[k] = per * t->last[0][k + 1][i];
         out->viscous[k] = t->last[1][0] ? per * t->last[1][k][i] : 0;
     }
-    out->energy = per * t->last[0][g->nvar - 1][i];
+    out->energy = per * t->last[0][energy_at(g)][i];
     out->work = t->last[1][0] ? per * t->last[1][g->nvar - 2][i] : 0;
-    out->heat = t->last[1][0] ? per * t->last[1][g->nvar - 1][i] : 0;
+    out->heat = t->last[1][0] ? per * t->last[1][energy_at(g)][i] : 0;
 }
 
 double gas_tally_step(const struct gas *g) {

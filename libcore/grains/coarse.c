@@ -10,7 +10,19 @@
 /* Sums of a cell, one behind the other: the shares of grains, the impulse * branch * psi of their impacts, and for each
  * axis the mean velocity and the sum of shares times squared deviation from it. The number of samples stands behind the
  * sums of all cells. */
-enum { SHARE, IMPACTS, MEAN, DEVIATION, PER_AXIS = 2, MOST_CELLS = 1 << 24, TERMS = 38 };
+enum {
+    SHARE,
+    IMPACTS,
+    MEAN,
+    DEVIATION,
+    PER_AXIS = 2,
+    CONTACT = 0,
+    CROSS = 6,
+    SPIN = 9,
+    ROUGH = 12,
+    MOST_CELLS = 1 << 24,
+    TERMS = 38
+};
 
 struct share {
     long cell;
@@ -26,7 +38,7 @@ struct coarse {
     struct grain_observer observer; /* first */
     struct coarse_grid grid;
     long cells, stride[3]; /* stride: of the axes, in cells */
-    int size;              /* doubles per cell */
+    int size, rough;       /* doubles per cell; the place of those of rough grains among them */
     double per[3];         /* 1/h */
     double *sums;
     double term[TERMS], half; /* coefficients of bell_integrals; the integral from 0 to 3 */
@@ -64,7 +76,8 @@ static status fill(struct coarse *c, const struct coarse_grid *grid) {
     c->observer.impact = observe;
     bell_make(c);
     c->grid = *grid;
-    c->size = MEAN + PER_AXIS * grid->dim;
+    c->rough = MEAN + PER_AXIS * grid->dim;
+    c->size = c->rough + (grid->rough ? ROUGH : 0);
     c->cells = 1;
     for (int k = 0; k < grid->dim; k++) {
         if (!(grid->n[k] > 0 && grid->h[k] > 0))
@@ -72,6 +85,12 @@ static status fill(struct coarse *c, const struct coarse_grid *grid) {
         c->stride[k] = c->cells;
         c->cells *= grid->n[k];
         c->per[k] = 1 / grid->h[k];
+    }
+    if (grid->mesh) {
+        c->cells = grid->mesh->cells;
+        if (grid->kernel != COARSE_CELL)
+            return fail(ERR_INPUT,
+                        "on a mesh of other cells than equal boxes, fields are means over cells: kernel cell");
     }
     TRY(allocate(&c->sums, coarse_size(c), sizeof(double), "sums of the grains"));
     return grid->kernel == COARSE_CELL ? allocate(&c->shares, 1, sizeof *c->shares, "a kernel") : make_reach(c);
@@ -132,6 +151,8 @@ static inline long fold(const struct coarse *c, int k, int i) {
 
 static inline long cell_of(const struct coarse *c, const double x[3]) {
     long cell = 0;
+    bool inside;
+    if (c->grid.mesh) return c->grid.mesh->locate(c->grid.mesh, x, &inside);
     for (int k = 0; k < c->grid.dim; k++) cell += fold(c, k, below((x[k] - c->grid.low[k]) * c->per[k]));
     return cell;
 }
@@ -228,16 +249,66 @@ static inline void add(double *sum, int dim, double w, const double u[3]) {
 
 void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]) {
     for (int i = 0; i < n; i++) {
+        if (isnan(x[i][0])) continue; /* it has left */
         const int m = spread(c, x[i]);
         for (int j = 0; j < m; j++) add(c->sums + c->size * c->shares[j].cell, c->grid.dim, c->shares[j].w, u[i]);
     }
     c->sums[c->cells * c->size] += 1;
 }
 
+static const int pair_of[3][2] = {{0, 1}, {0, 2}, {1, 2}}; /* axes of the components beside the diagonal */
+
+/* Adds a grain with its spin; products of deviations are kept as the squares are. */
+static void add_rough(const struct coarse *c, double *sum, double w, const double u[3], const double spin[3]) {
+    double away[3] = {0}, *rough = sum + c->rough;
+    if (w == 0) return;
+    for (int k = 0; k < c->grid.dim; k++) away[k] = u[k] - sum[MEAN + PER_AXIS * k];
+    add(sum, c->grid.dim, w, u);
+    for (int p = 0; p < 3; p++) {
+        const int a = pair_of[p][0], b = pair_of[p][1];
+        if (b < c->grid.dim) rough[CROSS + p] += w * away[a] * (u[b] - sum[MEAN + PER_AXIS * b]);
+        rough[SPIN + p] += w * spin[p];
+    }
+}
+
+void coarse_rough(struct coarse *c, int n, const double (*x)[3], const double (*u)[3], const double (*spin)[3]) {
+    for (int i = 0; i < n; i++) {
+        const int m = spread(c, x[i]);
+        for (int j = 0; j < m; j++) add_rough(c, c->sums + c->size * c->shares[j].cell, c->shares[j].w, u[i], spin[i]);
+    }
+    c->sums[c->cells * c->size] += 1;
+}
+
+void coarse_contacts(struct coarse *c, long n, const struct coarse_contact *contact) {
+    for (long i = 0; i < n; i++) {
+        const double *l = contact[i].branch, *f = contact[i].force;
+        for (int point = 0; point < 3; point++) { /* Simpson's rule along the branch */
+            double x[3];
+            for (int k = 0; k < 3; k++) x[k] = contact[i].x[k] - 0.5 * point * l[k];
+            const int m = spread(c, x);
+            for (int j = 0; j < m; j++) {
+                double *sum = c->sums + c->size * c->shares[j].cell, *rough = sum + c->rough;
+                const double w = c->shares[j].w * (point == 1 ? 4 : 1) / 6;
+                for (int k = 0; k < 3; k++) {
+                    rough[CONTACT + k] += w * f[k] * l[k];
+                    rough[CONTACT + 3 + k] +=
+                        w * 0.5 * (f[pair_of[k][0]] * l[pair_of[k][1]] + f[pair_of[k][1]] * l[pair_of[k][0]]);
+                    if (k < c->grid.dim) sum[IMPACTS] += w * f[k] * l[k];
+                }
+            }
+        }
+    }
+}
+
 /* Adds an impact with the kernel COARSE_CELL. Where both ends of the branch lie in one cell, so does the middle. */
 static void observe_in_cells(struct coarse *c, const struct grain_impact *i, double branch) {
     long cell[3] = {0};
-    for (int k = 0; k < c->grid.dim; k++) {
+    for (int point = 0; point < 3 && c->grid.mesh; point++) {
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = i->x[0][k] + 0.5 * point * branch * i->normal[k];
+        cell[point] = cell_of(c, x);
+    }
+    for (int k = 0; k < c->grid.dim && !c->grid.mesh; k++) {
         const double from = (i->x[0][k] - c->grid.low[k]) * c->per[k], by = branch * i->normal[k] * c->per[k];
         for (int point = 0; point < 3; point++) cell[point] += fold(c, k, below(from + 0.5 * point * by));
     }
@@ -267,19 +338,39 @@ static void observe(struct grain_observer *self, const struct grain_impact *i) {
     }
 }
 
+/* Computes the fields of rough grains alone, in a cell. */
+static void rough_value(const struct coarse *c, const double *sum, double per, enum coarse_field f, double value[3]) {
+    const double *rough = sum + c->rough, m = c->grid.mass;
+    for (int k = 0; k < 3; k++) {
+        value[k] = 0;
+        if (f == COARSE_SPIN) value[k] = sum[SHARE] > 0 ? rough[SPIN + k] / sum[SHARE] : 0;
+        if (f == COARSE_P_AXES && k < c->grid.dim)
+            value[k] = (m * sum[DEVIATION + PER_AXIS * k] + rough[CONTACT + k]) * per;
+        if (f == COARSE_P_SHEAR) value[k] = (m * rough[CROSS + k] + rough[CONTACT + 3 + k]) * per;
+    }
+}
+
 void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]) {
     const struct coarse_grid *g = &c->grid;
     const double samples = c->sums[c->cells * c->size], d = g->diameter;
     const double grain_volume = acos(-1) * (g->dim == 2 ? d * d / 4 : d * d * d / 6);
-    double volume = 1;
-    for (int k = 0; k < g->dim; k++) volume *= g->h[k];
+    double box = 1;
+    for (int k = 0; k < g->dim; k++) box *= g->h[k];
     for (long i = 0; i < c->cells; i++) {
+        const double volume = g->mesh ? g->mesh->volume[i] : box;
         const double *sum = c->sums + c->size * i;
         const double number = samples > 0 ? sum[SHARE] / (samples * volume) : 0;
         double deviation = 0;
         for (int k = 0; k < g->dim; k++) deviation += sum[DEVIATION + PER_AXIS * k];
         const double T = sum[SHARE] > 0 ? deviation / (g->dim * sum[SHARE]) : 0;
         const double collisional = tau > 0 ? sum[IMPACTS] / (g->dim * tau * volume) : 0;
+        if (f > COARSE_T_AXES) {
+            double value[3];
+            rough_value(c, sum, samples > 0 ? 1 / (samples * volume) : 0, f, value);
+            for (int k = 0; k < 3; k++)
+                if (f == COARSE_SPIN || k < g->dim) out[k][i] = value[k];
+            continue;
+        }
         if (f == COARSE_RHO) out[0][i] = number * g->mass;
         if (f == COARSE_ALPHA) out[0][i] = number * grain_volume;
         if (f == COARSE_T) out[0][i] = T;

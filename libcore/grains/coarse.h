@@ -17,6 +17,7 @@
 #ifndef LIBCORE_COARSE_H
 #define LIBCORE_COARSE_H
 
+#include "libcore/grains/grain_mesh.h"
 #include "libcore/grains/grains.h"
 
 enum coarse_kernel {
@@ -32,22 +33,44 @@ struct coarse_grid {
     enum coarse_kernel kernel;
     double width;          /* m, at most the longest side of the grid */
     double mass, diameter; /* kg, m: of a grain */
+    const struct grain_mesh *mesh; /* its cells stand in place of those of the grid, with COARSE_CELL; NULL: no */
+    bool rough; /* are spins and the whole stress of contacts summed, too? For coarse_rough, coarse_contact */
 };
-enum coarse_field { COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES, COARSE_FIELDS };
+enum coarse_field {
+    COARSE_RHO,
+    COARSE_ALPHA,
+    COARSE_U,
+    COARSE_T,
+    COARSE_P,
+    COARSE_T_AXES,
+    COARSE_P_AXES,
+    COARSE_P_SHEAR,
+    COARSE_SPIN,
+    COARSE_FIELDS
+};
 
 struct coarse; /* the sums; it is a grain_observer of the impacts */
-/* Fails with ERR_INPUT on a width that is not positive or too large, and on a kernel of more than 2^24 cells. */
+/* Fails with ERR_INPUT on a width that is not positive or too large, on a kernel of more than 2^24 cells, and
+ * on another kernel than COARSE_CELL with a mesh. */
 status coarse_make(const struct coarse_grid *grid, struct coarse **out);
 void coarse_free(struct coarse *c);
 struct grain_observer *coarse_observer(struct coarse *c);
 
 void coarse_clear(struct coarse *c); /* sets all sums to 0 */
-/* Adds n grains at one moment, in the frame of the box (m, m/s). x may lie beyond the grid by less than the grid's
- * size; it is mirrored or wrapped. */
+/* Adds n grains at one moment, in the frame of the box (m, m/s). Grains with x = NAN are not there. x may lie beyond
+ * the grid by less than the grid's size; it is mirrored or wrapped. */
 void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]);
+/* The same of rough grains with spins (1/s). */
+void coarse_rough(struct coarse *c, int n, const double (*x)[3], const double (*u)[3], const double (*spin)[3]);
+struct coarse_contact { /* of a grain at x: vector from the other grain's centre, or from the wall, and force on it */
+    double x[3], branch[3], force[3]; /* m, m, N */
+};
+/* Adds n contacts at one moment, whose stress is force branch psi/V. */
+void coarse_contacts(struct coarse *c, long n, const struct coarse_contact *contact);
 /* Computes a field from the sums, with impacts observed for `tau` seconds (0: no p_coll). out[k]: [cells], axis 0
  * fastest, component k of U and of COARSE_T_AXES, which is T_k (else k = 0). Cells without grains have U = T = 0 and
- * p = p_coll. */
+ * p = p_coll. Of rough grains, with tau the number of samples: the components P_k along the axes and P_xy, P_xz, P_yz
+ * of the whole pressure tensor, rho <u' u'> + sum of force branch psi/(V tau), and the mean spin (3 components). */
 void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]);
 /* The sums for restarts: coarse_size doubles at coarse_sums. */
 long coarse_size(const struct coarse *c);

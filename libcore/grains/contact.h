@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forces of soft spheres in contact, as LAMMPS's pair_style granular has them: a spring and a damper along the normal,
+/* Forces of soft spheres in contact (docs/physics.md 10.5), as LAMMPS's pair_style granular has them: a spring and a damper along the normal,
  * a spring with Coulomb's limit along the tangent (Cundall & Strack, Geotechnique 29 (1979) 47).
  *
  *   linear:  F = k delta + eta v                                   k = kn

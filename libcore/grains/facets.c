@@ -80,7 +80,7 @@ static bool complete(struct facet *f, int dim) {
 
 /* ---- gaps */
 
-struct side { /* a side of a facet between two corners (dim 2: one corner), the lower one first */
+struct rim { /* a side of a facet between two corners (dim 2: one corner), the lower one first */
     double end[2][3];
     int turn; /* +1 or -1: which way the facet goes along it */
 };
@@ -90,14 +90,14 @@ static int compare_points(const double a[3], const double b[3]) {
         if (a[k] != b[k]) return a[k] < b[k] ? -1 : 1;
     return 0;
 }
-static int compare_sides(const void *a, const void *b) {
-    const struct side *p = a, *q = b;
+static int compare_rims(const void *a, const void *b) {
+    const struct rim *p = a, *q = b;
     int first = compare_points(p->end[0], q->end[0]);
     return first ? first : compare_points(p->end[1], q->end[1]);
 }
 
-static struct side side_of(const struct facet *f, int dim, int j) {
-    struct side s = {.turn = 1};
+static struct rim rim_of(const struct facet *f, int dim, int j) {
+    struct rim s = {.turn = 1};
     const double *a = f->corner[j], *b = dim == 2 ? a : f->corner[(j + 1) % 3];
     bool turned = compare_points(a, b) > 0;
     for (int k = 0; k < 3; k++) {
@@ -108,7 +108,7 @@ static struct side side_of(const struct facet *f, int dim, int j) {
     return s;
 }
 
-static bool on_periodic_end(const struct facet_space *s, const struct side *side) {
+static bool on_periodic_end(const struct facet_space *s, const struct rim *side) {
     for (int k = 0; k < s->dim; k++) {
         double slack = 1e-9 * (s->high[k] - s->low[k]);
         for (int high = 0; high < 2 && s->periodic[k]; high++) {
@@ -121,15 +121,15 @@ static bool on_periodic_end(const struct facet_space *s, const struct side *side
 
 static status check_gaps(const struct facets *f) {
     const int dim = f->space.dim, n = f->own * dim;
-    struct side *side;
+    struct rim *side;
     status e = OK;
     TRY(allocate(&side, n, sizeof *side, "sides of facets"));
-    for (int i = 0; i < n; i++) side[i] = side_of(&f->facet[i / dim], dim, i % dim);
-    qsort(side, (size_t)n, sizeof *side, compare_sides);
+    for (int i = 0; i < n; i++) side[i] = rim_of(&f->facet[i / dim], dim, i % dim);
+    qsort(side, (size_t)n, sizeof *side, compare_rims);
     for (int i = 0; i < n && !e;) {
-        const struct side *first = &side[i];
+        const struct rim *first = &side[i];
         int turns = 0;
-        for (; i < n && compare_sides(first, &side[i]) == 0; i++) turns += side[i].turn;
+        for (; i < n && compare_rims(first, &side[i]) == 0; i++) turns += side[i].turn;
         const double *a = first->end[0], *b = first->end[1];
         if (turns != 0 && !on_periodic_end(&f->space, first))
             e = dim == 2
@@ -149,8 +149,9 @@ static unsigned long checksum(const struct facets *f) { /* FNV-1a, of 32 bits */
     uint32_t sum = 2166136261u;
     for (int i = 0; i < f->own; i++) {
         unsigned char bytes[sizeof f->facet[i].corner + sizeof(int)];
+        const int wall = f->facet[i].open ? -1 - f->facet[i].wall : f->facet[i].wall;
         memcpy(bytes, f->facet[i].corner, sizeof f->facet[i].corner);
-        memcpy(bytes + sizeof f->facet[i].corner, &f->facet[i].wall, sizeof(int));
+        memcpy(bytes + sizeof f->facet[i].corner, &wall, sizeof(int));
         for (size_t k = 0; k < sizeof bytes; k++) sum = (sum ^ bytes[k]) * 16777619u;
     }
     return sum;
@@ -211,6 +212,7 @@ static status fill(struct facets *f, const struct facet *list) {
             return fail(ERR_INPUT, "facet %d at (%.9g %.9g %.9g) has no area", i, p->corner[0][0], p->corner[0][1],
                         p->corner[0][2]);
         TRY(check_facet(s, p, i));
+        f->opens = f->opens || p->open;
     }
     TRY(check_gaps(f));
     f->sum = checksum(f);
@@ -307,15 +309,12 @@ void facet_cells_free(struct facet_cells *c) {
     c->start = c->list = NULL;
 }
 
-double facet_cells_nearest(const struct facets *f, const struct facet_cells *c, const double x[3], int *facet) {
+double facet_cells_nearest(const struct facets *f, const struct facet_cells *c, const double x[3], bool shut) {
     const long cell = facet_cells_at(c, f->space.dim, x);
     double least = HUGE_VAL, normal[3];
-    *facet = -1;
     for (int32_t q = c->start[cell]; q < c->start[cell + 1]; q++) {
-        double distance = facet_distance(&f->facet[c->list[q]], f->space.dim, x, normal);
-        if (distance >= least) continue;
-        least = distance;
-        *facet = c->list[q];
+        const struct facet *p = &f->facet[c->list[q]];
+        if (shut || !p->open) least = fmin(least, facet_distance(p, f->space.dim, x, normal));
     }
     return least;
 }

@@ -61,6 +61,21 @@ double grains_volume(const struct grain_box *box) {
     return box->facets ? box->facets->space.volume : volume;
 }
 
+/* Sheared boxes are periodic along all axes, at rest, without gravity, and have four cells along an axis. */
+static status check_shear(const struct grain_box *box, const struct grain_law *law) {
+    if (box->shear == 0) return OK;
+    if (!isfinite(box->shear) || law->growth != 0) return fail(ERR_INPUT, "a shear rate of %g 1/s", box->shear);
+    for (int k = 0; k < box->dim; k++) {
+        const double length = box->high[k] - box->low[k];
+        if (!box->periodic[k] || box->shake[k] != 0 || law->gravity[k] != 0)
+            return fail(ERR_INPUT, "a sheared box is periodic along all axes, at rest and without gravity");
+        if (k < 2 && !(length >= 4 * law->diameter * (1 + 1e-9)))
+            return fail(ERR_INPUT, "a sheared box is at least 4 diameters, %g m, long along axis %d; it is %g m",
+                        4 * law->diameter, k, length);
+    }
+    return OK;
+}
+
 static status check_number(const struct grain_box *box, const struct grain_law *law, int n) {
     const double pi = 3.14159265358979323846, d = law->diameter;
     double volume = grains_volume(box), grain = box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d,
@@ -79,6 +94,10 @@ static void set_scales(struct grains *g) {
         bool periodic = k < g->dim && g->box.periodic[k];
         g->period[k] = periodic ? g->box.high[k] - g->box.low[k] : 0;
         g->half[k] = periodic ? 0.5 * g->period[k] : HUGE_VAL;
+        if (g->box.shear != 0 && k == 1) { /* grains_shear.c knows its images */
+            g->period[k] = 0;
+            g->half[k] = HUGE_VAL;
+        }
         g->pull[k] = k < g->dim ? fabs(g->law.gravity[k]) + fabs(g->box.shake[k]) * omega * omega : 0;
         all += g->pull[k];
     }
@@ -94,6 +113,7 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
                          struct grains **out) {
     struct grains *g;
     TRY(check_box(box, law));
+    TRY(check_shear(box, law));
     TRY(check_number(box, law, n));
     TRY(allocate(&g, 1, sizeof *g, "grains"));
     *out = g;
@@ -109,7 +129,8 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     TRY(allocate(&g->order, n, sizeof *g->order, "grains"));
     TRY(allocate(&g->list, n + (long)ROOM, sizeof *g->list, "neighbours"));
     TRY(calendar_make(n, &g->queue));
-    if (box->facets) TRY(allocate(&g->impulse, box->facets->space.walls, sizeof *g->impulse, "walls"));
+    g->opens = box->facets && box->facets->opens && !box->shut;
+    if (grains_rows(box) > 0) TRY(allocate(&g->impulse, grains_rows(box), sizeof *g->impulse, "walls"));
     return grains_cells_make(g);
 }
 
@@ -126,7 +147,7 @@ static status place(struct grains *g, int i, const double x[3], const double u[3
     g->id[i] = i;
     for (int k = 0; k < g->dim; k++) {
         bool periodic = g->box.periodic[k];
-        double room = periodic ? 0 : radius;
+        double room = periodic || g->opens ? 0 : radius;
         if (!(x[k] >= g->box.low[k] + room - slack && x[k] <= g->box.high[k] - room + slack))
             return fail(ERR_INPUT,
                         "grain %d is outside: its centre is at (%.9g %.9g %.9g), axis %d allows %.9g to %.9g", i, x[0],
@@ -155,12 +176,11 @@ static status check_overlap(const struct grains *g, int i) {
     double least = g->law.diameter * (1 - 1e-9);
     grains_block(&g->cells, g->event[i].cell, STAYS, &b);
     for (int q = grains_occupants(&g->cells, &b, g->list) - 1; q >= 0; q--) {
-        double square = 0;
+        double square = 0, r[3], v[3];
         int j = (int)g->list[q];
-        for (int k = 0; k < 3; k++) {
-            double r = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
-            square += r * r;
-        }
+        for (int k = 0; k < 3; k++) r[k] = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
+        if (g->box.shear != 0) (void)grains_sheared(g, &g->grain[i], &g->grain[j], g->time, r, v);
+        for (int k = 0; k < 3; k++) square += r[k] * r[k];
         if (j != i && square < least * least) return overlap(g, i, j, sqrt(square));
     }
     return OK;
@@ -171,14 +191,13 @@ static status check_facets(const struct grains *g, int i, const double x[3]) {
     const double radius = 0.5 * g->law.diameter, slack = 1e-9 * g->law.diameter;
     const struct facets *f = g->box.facets;
     double at[3] = {0};
-    int facet;
     for (int k = 0; k < g->dim; k++) at[k] = g->box.periodic[k] ? grains_wrap(&g->box, k, x[k]) : x[k];
-    const double distance = facet_cells_nearest(f, &g->walls, at, &facet);
+    const double distance = facet_cells_nearest(f, &g->walls, at, !g->opens);
     if (distance < radius - slack)
         return fail(ERR_INPUT,
                     "grain %d at (%.9g %.9g %.9g) cuts a wall: its centre is %.9g m from it, and its radius is %.9g m",
                     i, x[0], x[1], at[2], distance, radius);
-    if (facet_cells_inside(f, &g->walls, at, radius - slack)) return OK;
+    if (facet_cells_inside(f, &g->walls, at, g->opens ? 1e-6 * radius : radius - slack)) return OK;
     return fail(ERR_INPUT, "grain %d at (%.9g %.9g %.9g) is outside the walls", i, x[0], x[1], at[2]);
 }
 
@@ -213,8 +232,10 @@ static status check_saved(const struct grains *g, int i) {
                p->x[k] <= grains_cell_edge(&g->cells, k, number + 1) + slack;
     }
     int b = e->partner;
-    good = good && (b >= 0 || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN ||
-                    (g->box.facets ? grains_facet_of(&g->box, b) != NULL : b < 0 && b >= -2 * g->dim));
+    if (b == GONE && g->opens) good = isfinite(p->t) && p->impact == HUGE_VAL && e->cell >= 0;
+    good =
+        good && (b >= 0 || (b == GONE && g->opens) || (b == NO_PARTNER && p->impact == HUGE_VAL) || b == LOOK_AGAIN ||
+                 (g->box.facets ? grains_facet_of(&g->box, b) != NULL : b < 0 && b >= -2 * g->dim));
     if (!good) return fail(ERR_INPUT, "saved grain %d does not belong to this box, or its file is damaged", i);
     return OK;
 }
@@ -260,8 +281,7 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, c
         return s;
     }
     g->counts = *save->counts;
-    if (g->impulse && save->impulse)
-        memcpy(g->impulse, save->impulse, (size_t)box->facets->space.walls * sizeof *g->impulse);
+    if (g->impulse && save->impulse) memcpy(g->impulse, save->impulse, (size_t)grains_rows(box) * sizeof *g->impulse);
     grains_set_sorting(g);
     *out = g;
     return OK;
@@ -311,7 +331,13 @@ static void take(struct grains *g, int i, double t, struct grain_observer *obser
         schedule_all(g);
     } else {
         if (e.partner < 0 && e.partner >= -6) grains_rebound(g, i, e.partner, t, observer);
-        if (e.partner <= FIRST_FACET) grains_rebound_facet(g, i, e.partner, t, observer);
+        if (e.partner <= FIRST_FACET) {
+            if (g->opens && grains_facet_of(&g->box, e.partner)->open) {
+                grains_depart(g, i, e.partner);
+                return;
+            }
+            grains_rebound_facet(g, i, e.partner, t, observer);
+        }
         grains_predict(g, i, t);
     }
 }
@@ -349,11 +375,21 @@ void grains_at(const struct grains *g, double t, double (*x)[3], double (*u)[3])
     for (int k = 0; k < 3; k++) w[k] = grains_swing(&g->box, k, t);
     for (int i = 0; i < g->n; i++) {
         double *to = x[g->id[i]], *speed = u[g->id[i]];
+        if (is_gone(g, i)) {
+            for (int k = 0; k < 3; k++) {
+                to[k] = NAN;
+                speed[k] = 0;
+            }
+            continue;
+        }
         fly(g, &g->grain[i], t, to, speed);
         for (int k = 0; k < 3; k++) {
             to[k] -= w[k].s;
             speed[k] -= w[k].v;
-            if (g->box.periodic[k]) to[k] = grains_wrap(&g->box, k, to[k]);
+            if (g->box.shear != 0 && k == 1) /* it has left by round-off alone */
+                to[k] = fmax(g->box.low[k], fmin(to[k], g->box.high[k]));
+            else if (g->box.periodic[k])
+                to[k] = grains_wrap(&g->box, k, to[k]);
         }
     }
 }
@@ -364,6 +400,7 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
     for (int k = 0; k < 3; k++) w[k] = grains_swing(&g->box, k, g->time);
     for (int i = 0; i < g->n; i++) {
         double x[3], u[3];
+        if (is_gone(g, i)) continue;
         fly(g, &g->grain[i], g->time, x, u);
         for (int k = 0; k < 3; k++) {
             u[k] -= w[k].v;
@@ -375,6 +412,29 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
     *kinetic = 0.5 * g->law.mass * speeds;
     *potential = g->law.mass * height;
     for (int k = 0; k < 3; k++) momentum[k] = g->law.mass * sum[k];
+}
+
+double grains_thermal(const struct grains *g) {
+    double mean[3] = {0}, square = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < g->n; i++) {
+            double x[3], u[3];
+            fly(g, &g->grain[i], g->time, x, u);
+            if (g->box.shear != 0) u[0] -= g->box.shear * (x[1] - 0.5 * (g->box.low[1] + g->box.high[1]));
+            for (int k = 0; k < 3; k++) {
+                mean[k] += pass ? 0 : u[k] / g->n;
+                square += pass ? (u[k] - mean[k]) * (u[k] - mean[k]) : 0;
+            }
+        }
+    return 0.5 * g->law.mass * square;
+}
+int grains_present(const struct grains *g) {
+    int n = 0;
+    for (int i = 0; i < g->n; i++) n += !is_gone(g, i);
+    return n;
+}
+double grains_work(const struct grains *g) {
+    return g->box.shear != 0 ? g->impulse[0][0] + g->impulse[0][1] : 0;
 }
 
 int grains_number(const struct grains *g) {

@@ -34,10 +34,14 @@ struct grain_box {
     double restitution[3][2]; /* restitution of the low and the high wall of an axis that is not periodic */
     double shake[3];          /* m: amplitudes of s_k */
     double omega, phase;      /* 1/s, rad */
+    /* 1/s: the gradient along axis 1 of the velocity along axis 0, which the images of a periodic box at rest have
+     * (grains_shear.c); 0: none */
+    double shear;
     /* Walls of any shape stand in place of the flat ones; low and high are then a box around them. Borrowed; NULL: no
      */
     const struct facets *facets;
     const double *wall_restitution; /* [walls of facets]; NULL: 1 */
+    bool shut;                      /* facets that are open are walls all the same */
 };
 struct grain_law {
     double diameter; /* m, at time 0 */
@@ -95,7 +99,7 @@ struct grain_save { /* what grains_all, grains_events, grains_ids and grains_cou
     const struct grain_event *event;
     const int32_t *id;
     const struct grain_counts *counts;
-    const double (*impulse)[3]; /* of grains_impulses; NULL without facets */
+    const double (*impulse)[3]; /* of grains_impulses; NULL without facets or shear */
 };
 /* Makes grains from what was saved: the run continues to the bit. */
 status grains_resume(const struct grain_box *box, const struct grain_law *law, const struct grain_save *save,
@@ -107,7 +111,8 @@ void grains_free(struct grains *g);
 double grains_advance(struct grains *g, double until, int64_t most, struct grain_observer *observer);
 
 /* Sets x (m) and u (m/s, relative to the box) of all grains at time t, which is not before the time reached and not
- * after the next event; changes nothing in g. Indexed by id, which is the place a grain had in grains_make. */
+ * after the next event; changes nothing in g. Indexed by id, which is the place a grain had in grains_make. Grains
+ * that have left have x = NAN, u = 0. */
 void grains_at(const struct grains *g, double t, double (*x)[3], double (*u)[3]);
 /* Sets kinetic and potential energy (J, frame of the box) and momentum (kg m/s) at the time reached. */
 void grains_energy(const struct grains *g, double *kinetic, double *potential, double momentum[3]);
@@ -117,7 +122,16 @@ const struct grain *grains_all(const struct grains *g);          /* [n] */
 const struct grain_event *grains_events(const struct grains *g); /* [n] */
 const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number id[i]; indices change now and then */
 const struct grain_counts *grains_counted(const struct grains *g);
-const double (*grains_impulses(const struct grains *g))[3]; /* [walls of facets] kg m/s: given to each of them */
+/* Grains that have left through open facets: how many of the n are still there; row w of grains_impulses has the
+ * momentum that left through wall w, row walls + w the number of the grains, their kinetic and their potential energy
+ * (J). */
+int grains_present(const struct grains *g);
+double grains_work(const struct grains *g); /* J: that the ends of a sheared box have done */
+/* Kinetic energy (J) of the motion relative to the mean flow, shear * (x_1 - the middle) along axis 0 in a sheared box,
+ * and the mean velocity. */
+double grains_thermal(const struct grains *g);
+const double (*grains_impulses(const struct grains *g))[3]; /* [walls of facets] kg m/s: given to each of them;
+                                                             * sheared: one row, the work by flow and by impacts */
 double grains_time(const struct grains *g);
 double grains_volume(const struct grain_box *box); /* m^3 (disks: m^2) between the walls */
 double grains_bytes(int n, int dim);               /* memory that a run takes, about */

@@ -148,11 +148,12 @@ void grains_cell_enter(struct grains *g, int i) {
 void grains_cells_fill(struct grains *g) {
     struct grain_cells *c = &g->cells;
     for (long q = 0; q < c->all; q++) c->slot[q * SLOTS + SLOTS - 1] = 0;
-    for (int i = 0; i < g->n; i++) grains_cell_enter(g, i);
+    for (int i = 0; i < g->n; i++)
+        if (!is_gone(g, i)) grains_cell_enter(g, i);
 }
 
 /* Takes grain i out of its cell: the last grain in the slots (in a chain: the first of the chain) takes its place. */
-static void leave(struct grains *g, int i) {
+void grains_cell_leave(struct grains *g, int i) {
     struct grain_cells *c = &g->cells;
     uint32_t *slot = slots_of(c, g->event[i].cell);
     int count = take_count(slot), last = (count == CHAINED ? SLOTS : count) - 1, at = 0;
@@ -185,12 +186,14 @@ void grains_cell_cross(struct grains *g, int i, int exit) {
     struct grain *p = &g->grain[i];
     int32_t *cell = &g->event[i].cell;
     int k = exit / 2, up = exit & 1, number = cell_number(c, *cell, k), to = number + (up ? 1 : -1);
-    leave(g, i);
+    grains_cell_leave(g, i);
+    const bool through = to < 0 || to == c->n[k];
     if (to < 0) to = c->n[k] - 1;
     if (to == c->n[k]) to = 0;
     p->x[k] = grains_cell_edge(c, k, up ? to : to + 1);
     int shift = k > 0 ? (k > 1 ? c->bits[0] + c->bits[1] : c->bits[0]) : 0;
     *cell += (to - number) * (1 << shift);
+    if (through && k == 1 && g->box.shear != 0) grains_shear_wrap(g, i, up);
     grains_cell_enter(g, i);
 }
 

@@ -31,12 +31,12 @@ static struct approach approach_at(const struct grains *g, const struct grain *p
     return a;
 }
 
-/* Is the point of the facet's plane that is nearest to x in the facet? */
-static bool is_over(const struct facet *f, int dim, const double x[3]) {
+/* Is the point of the facet's plane that is nearest to x in the facet, or beyond it by no more than `slack` (m)? */
+static bool is_over(const struct facet *f, int dim, const double x[3], double slack) {
     for (int j = 0; j < dim; j++) {
         double s = 0;
         for (int k = 0; k < dim; k++) s += (x[k] - f->corner[j][k]) * f->out[j][k];
-        if (s > 0) return false;
+        if (s > slack) return false;
     }
     return true;
 }
@@ -50,12 +50,40 @@ static double plane_time(const struct grains *g, const struct grain *p, const st
     double h = fabs(height) - 0.5 * grains_diameter(g, p->t);
     double v = sign * along(p->u, f->normal) - 0.5 * g->law.growth, a = sign * along(g->law.gravity, f->normal);
     *done = false;
-    if (h <= 0 && !is_over(f, g->dim, p->x)) return p->t;
+    if (h <= 0 && !is_over(f, g->dim, p->x, 0)) return p->t;
     double t = p->t + grains_first_root(h, v, a);
     if (t == HUGE_VAL) return t;
     fly(g, p, t, x, u);
-    *done = is_over(f, g->dim, x);
+    *done = is_over(f, g->dim, x, 0);
     return t;
+}
+
+/* Returns when the centre of a grain comes to an open facet, from within; no later than `limit`, else HUGE_VAL. */
+static double open_time(const struct grains *g, const struct grain *p, const struct facet *f, double limit) {
+    double r[3], x[3], u[3];
+    for (int k = 0; k < 3; k++) r[k] = p->x[k] - f->corner[0][k];
+    const double t =
+        p->t + grains_first_root(along(r, f->normal), along(p->u, f->normal), along(g->law.gravity, f->normal));
+    if (!(t <= limit)) return HUGE_VAL;
+    fly(g, p, t, x, u);
+    return is_over(f, g->dim, x, 1e-7 * g->law.diameter) ? t : HUGE_VAL;
+}
+
+void grains_depart(struct grains *g, int i, int partner) {
+    const int wall = g->box.facets->facet[FIRST_FACET - partner].wall;
+    const struct grain *p = &g->grain[i];
+    double *momentum = g->impulse[wall], *left = g->impulse[g->box.facets->space.walls + wall];
+    left[0]++;
+    for (int k = 0; k < g->dim; k++) {
+        momentum[k] += g->law.mass * p->u[k];
+        left[1] += 0.5 * g->law.mass * p->u[k] * p->u[k];
+        left[2] -= g->law.mass * g->law.gravity[k] * p->x[k];
+    }
+    grains_cell_leave(g, i);
+    g->grain[i].impact = HUGE_VAL;
+    g->event[i].partner = GONE;
+    g->event[i].changes++;
+    calendar_move(g->queue, i, HUGE_VAL);
 }
 
 /* The steps of grains_walls.c, with the bound G of all components of the acceleration. */
@@ -66,6 +94,7 @@ double grains_facet_time(const struct grains *g, int i, int facet, double limit,
     double G = g->pull_all, t = p->t;
     bool done = false;
     *again = false;
+    if (f->open && g->opens) return open_time(g, p, f, limit);
     if (!g->swings) t = plane_time(g, p, f, &done);
     if (!(t <= limit)) return HUGE_VAL;
     for (int step = 0; step < STEPS && !done; step++) {

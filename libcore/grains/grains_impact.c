@@ -43,11 +43,15 @@ void grains_tell(const struct grains *g, struct grain_observer *observer, int a,
 
 void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[a], *q = &g->grain[b];
-    double r[3], square = 0, rv = 0, least = g->gentle + 1e-13 * (speed(p->u) + speed(q->u));
+    double r[3], v[3], square = 0, rv = 0, jump = 0, least = g->gentle + 1e-13 * (speed(p->u) + speed(q->u));
     for (int k = 0; k < 3; k++) {
         r[k] = nearest(g, k, q->x[k] - p->x[k]);
+        v[k] = q->u[k] - p->u[k];
+    }
+    if (g->box.shear != 0) jump = grains_sheared(g, p, q, t, r, v);
+    for (int k = 0; k < 3; k++) {
         square += r[k] * r[k];
-        rv += r[k] * (q->u[k] - p->u[k]);
+        rv += r[k] * v[k];
     }
     double distance = sqrt(square), normal = rv / distance, growth = g->law.growth, approach = fmax(growth - normal, 0);
     struct rebound back = rebound(g, approach, g->law.restitution, least);
@@ -59,6 +63,7 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
         p->u[k] -= du;
         q->u[k] += du;
     }
+    if (jump != 0) g->impulse[0][1] -= g->law.mass * factor * r[0] * jump;
     g->event[a].changes++;
     g->event[b].changes++;
     g->counts.pairs++;

@@ -135,6 +135,11 @@ static void consider_cells(struct grains *g, int i, double now, int exit) {
     struct grain *p = &g->grain[i];
     struct grain_event *e = &g->event[i];
     grains_block(&g->cells, e->cell, exit, &b);
+    if (g->box.shear != 0) { /* grains_shear.c looks beyond the ends */
+        const int number = cell_number(&g->cells, e->cell, 1);
+        b.from[1] += number == 0 && b.from[1] == 0;
+        b.to[1] -= number == g->cells.n[1] - 1 && b.to[1] == 3;
+    }
     int m = grains_occupants(&g->cells, &b, g->list);
     for (int q = 0; q < LANES; q++) g->list[m + q] = (uint32_t)i;
     if (g->n > CACHED)
@@ -208,6 +213,7 @@ static void consider_walls(struct grains *g, int i, double leaving) {
 static void settle(struct grains *g, int i) {
     int exit;
     double leaving = leaves(g, i, &exit);
+    if (grains_is_sheared_row(g, i)) grains_consider_beyond(g, i, g->grain[i].t, leaving);
     consider_walls(g, i, leaving);
     calendar_move(g->queue, i, fmin(leaving, g->grain[i].impact));
 }
@@ -224,12 +230,17 @@ void grains_predict(struct grains *g, int i, double now) {
 }
 
 void grains_predict_beyond(struct grains *g, int i, double now, int exit) {
+    if (grains_is_sheared_row(g, i)) {
+        grains_predict(g, i, now);
+        return;
+    }
     consider_cells(g, i, now, exit);
     settle(g, i);
 }
 
 double grains_schedule(const struct grains *g, int i) {
     int exit;
+    if (is_gone(g, i)) return HUGE_VAL;
     return fmin(leaves(g, i, &exit), g->grain[i].impact);
 }
 

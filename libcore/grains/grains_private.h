@@ -12,6 +12,7 @@
 enum {
     NO_PARTNER = -1000, /* no impact is predicted; its time is HUGE_VAL */
     LOOK_AGAIN = -100,  /* no impact is found up to t: predict anew then */
+    GONE = -50,         /* the grain has left through an open facet */
     STAYS = -1,         /* the grain does not leave its cell */
     CACHED = 8000       /* this many grains fit into a cache; for more, memory is prefetched */
 };
@@ -51,7 +52,8 @@ struct grains {
     struct grain_counts counts;
     struct grain_cells cells;
     struct facet_cells walls; /* the facets near each cell; empty without facets */
-    double (*impulse)[3];     /* [walls] kg m/s: given to each wall of facets */
+    double (*impulse)[3];     /* [walls] kg m/s: given to each wall of facets; sheared: [1], J: the work of
+                               * the ends, by grains that go through them and by impacts across them */
     struct calendar *queue;
     int64_t sort_at;           /* number of pair impacts at which the grains are sorted next; -1: never */
     uint64_t *order;           /* [n] scratch of grains_sort */
@@ -62,6 +64,7 @@ struct grains {
     double pull[3];            /* m/s^2: bound G_k of the acceleration relative to the box */
     double pull_all;           /* the length of that vector */
     bool swings;               /* the box is shaken */
+    bool opens;                /* grains can leave through facets */
 };
 
 struct swing { /* displacement (m) and velocity (m/s) of the box along one axis */
@@ -70,6 +73,10 @@ struct swing { /* displacement (m) and velocity (m/s) of the box along one axis 
 /* Returns cos x and sets *sine to sin x, with the same bits everywhere (grains_walls.c). */
 double grains_phase_cos(double x, double *sine);
 struct swing grains_swing(const struct grain_box *box, int axis, double t);
+/* The rows of `impulse`. */
+static inline long grains_rows(const struct grain_box *b) {
+    return b->facets ? (b->facets->opens ? 2L : 1L) * b->facets->space.walls : b->shear != 0;
+}
 static inline double grains_diameter(const struct grains *g, double t) {
     return g->law.diameter + g->law.growth * (t - g->start);
 }
@@ -118,6 +125,10 @@ static inline double grains_cell_edge(const struct grain_cells *c, int k, int nu
 }
 int32_t grains_cell_of(const struct grains *g, const double x[3]);
 void grains_cell_enter(struct grains *g, int i);
+void grains_cell_leave(struct grains *g, int i);
+static inline bool is_gone(const struct grains *g, int i) {
+    return g->event[i].partner == GONE;
+}
 /* Moves grain i, which is brought to the time of leaving, through the face `exit`. */
 void grains_cell_cross(struct grains *g, int i, int exit);
 struct grain_block { /* a block of cells: the product of the cells around one along each axis */
@@ -159,10 +170,21 @@ double grains_wrap(const struct grain_box *box, int k, double x); /* x moved int
 double grains_wall_time(const struct grains *g, int i, int axis, int side, double limit, bool *again);
 double grains_first_root(double h, double v, double a);
 
+/* grains_shear.c, of a sheared box: is grain i in the first or last row along axis 1? Place r (m) and velocity v (m/s)
+ * of q relative to p, both at time t, by its nearest image;
+ * returns the velocity (m/s) that this has beside q's own. Turns grain i, which leaves through an end of axis 1, into
+ * its image on the other side. Looks for impacts with grains beyond the end, no later than grain i leaves its cell. */
+bool grains_is_sheared_row(const struct grains *g, int i);
+double grains_sheared(const struct grains *g, const struct grain *p, const struct grain *q, double t, double r[3],
+                      double v[3]);
+void grains_shear_wrap(struct grains *g, int i, bool up);
+void grains_consider_beyond(struct grains *g, int i, double now, double leaving);
+
 /* grains_facets.c: lists the facets near each cell, if there are any; looks for impacts on those near grain i's cell no
  * later than it leaves that; lets grain a rebound from the facet of `partner`. */
 status grains_facets_make(struct grains *g);
 void grains_consider_facets(struct grains *g, int i, double leaving);
+void grains_depart(struct grains *g, int i, int partner); /* grain i leaves through an open facet, at its time */
 void grains_rebound_facet(struct grains *g, int a, int partner, double t, struct grain_observer *observer);
 double grains_facet_time(const struct grains *g, int i, int facet, double limit, bool *again); /* as grains_wall_time */
 

@@ -23,28 +23,24 @@ static double volume_of(int dim, double diameter) {
     return dim == 2 ? PI / 4 * diameter * diameter : PI / 6 * diameter * diameter * diameter;
 }
 
-static double box_volume(const struct grain_box *box) {
-    double volume = 1;
-    for (int k = 0; k < box->dim; k++) volume *= box->high[k] - box->low[k];
-    return volume;
-}
-
 static long field_cells(const struct packing_field *f) {
-    return (long)f->n[0] * f->n[1] * f->n[2];
+    return f->mesh ? f->mesh->cells : (long)f->n[0] * f->n[1] * f->n[2];
 }
 
 int packing_number(const struct grain_box *box, double diameter, const struct packing_field *f) {
     long cells = field_cells(f);
     double sum = 0;
     if (!f->alpha) return 0;
-    for (long c = 0; c < cells; c++) sum += f->alpha[c];
-    return (int)floor(sum / (double)cells * box_volume(box) / volume_of(box->dim, diameter) + 0.5);
+    for (long c = 0; c < cells; c++) sum += f->alpha[c] * (f->mesh ? f->mesh->volume[c] : 1);
+    const double filled = f->mesh ? sum : sum / (double)cells * grains_volume(box);
+    return (int)floor(filled / volume_of(box->dim, diameter) + 0.5);
 }
 
 /* ---- levels: cells of equal alpha */
 
 struct cell {
-    double alpha, room; /* room: share of the cell that centres of grains can reach */
+    double alpha;
+    double room; /* share of the cell that centres of grains can reach; on a mesh its size, as share of the mean */
     long index;
 };
 struct packing_level {
@@ -92,7 +88,7 @@ static void levels_group(struct levels *l) {
         struct packing_level v = {.first = c};
         double top = l->cell[c].alpha;
         for (; c < l->cells && (v.room == 0 || l->cell[c].alpha >= 0.98 * top); c++) {
-            v.share += l->cell[c].alpha;
+            v.share += l->cell[c].alpha * (l->field->mesh ? l->cell[c].room : 1);
             v.room += l->cell[c].room;
             l->reach[c] = (c > v.first ? l->reach[c - 1] : 0) + l->cell[c].alpha * l->cell[c].room;
         }
@@ -107,9 +103,9 @@ static void levels_group(struct levels *l) {
 
 static status levels_make(const struct grain_box *box, double diameter, const struct packing_field *f,
                           struct levels *l) {
-    long all = f->alpha ? field_cells(f) : 1;
+    long all = f->alpha || f->mesh ? field_cells(f) : 1;
     static const struct packing_field whole = {.n = {1, 1, 1}};
-    *l = (struct levels){.box = box, .field = f->alpha ? f : &whole, .radius = diameter / 2};
+    *l = (struct levels){.box = box, .field = f->alpha || f->mesh ? f : &whole, .radius = diameter / 2};
     TRY(allocate(&l->cell, all, sizeof *l->cell, "cells of a packing"));
     TRY(allocate(&l->reach, all, sizeof *l->reach, "cells of a packing"));
     TRY(allocate(&l->level, all, sizeof *l->level, "cells of a packing"));
@@ -117,7 +113,8 @@ static status levels_make(const struct grain_box *box, double diameter, const st
         struct cell *cell = &l->cell[l->cells];
         *cell = (struct cell){.alpha = f->alpha ? f->alpha[c] : 1, .room = 1, .index = c};
         double from, to;
-        for (int k = 0; k < box->dim; k++) cell->room *= cell_reach(l, c, k, &from, &to);
+        for (int k = 0; k < box->dim && !f->mesh; k++) cell->room *= cell_reach(l, c, k, &from, &to);
+        if (f->mesh) cell->room = f->mesh->volume[c] * (double)all / grains_volume(box);
         if (cell->alpha > 0) l->cells++;
     }
     qsort(l->cell, (size_t)l->cells, sizeof *l->cell, denser_first);
@@ -130,7 +127,7 @@ static status levels_make(const struct grain_box *box, double diameter, const st
 
 /* Returns the highest packing fraction that a level will have, counted on the room there is. */
 static double levels_densest(const struct levels *l, int n, double diameter) {
-    double cell = box_volume(l->box) / (double)field_cells(l->field), most = 0;
+    double cell = grains_volume(l->box) / (double)field_cells(l->field), most = 0;
     for (long v = 0; v < l->count; v++) most = fmax(most, l->level[v].share / l->level[v].room);
     return most / l->total * n * volume_of(l->box->dim, diameter) / cell;
 }
@@ -145,6 +142,17 @@ static const struct packing_level *levels_deal(const struct levels *l, double st
     return &l->level[v];
 }
 
+/* Draws a place in a cell of a mesh. */
+static void draw_in_cell(const struct levels *l, long cell, struct random *r, double x[3]) {
+    const struct grain_mesh *m = l->field->mesh;
+    const double *low = m->bounds[cell], *high = low + 3;
+    bool inside;
+    for (int tries = 0; tries < 1000; tries++) {
+        for (int k = 0; k < l->box->dim; k++) x[k] = low[k] + random_uniform(r) * (high[k] - low[k]);
+        if (m->locate(m, x, &inside) == cell && inside) return;
+    }
+}
+
 static void levels_draw(const struct levels *l, const struct packing_level *v, struct random *r, double x[3]) {
     double p = random_uniform(r) * l->reach[v->end - 1];
     long low = v->first, high = v->end - 1;
@@ -156,6 +164,10 @@ static void levels_draw(const struct levels *l, const struct packing_level *v, s
             low = middle + 1;
     }
     x[2] = 0;
+    if (l->field->mesh) {
+        draw_in_cell(l, l->cell[low].index, r, x);
+        return;
+    }
     for (int k = 0; k < l->box->dim; k++) {
         double from, to;
         cell_reach(l, l->cell[low].index, k, &from, &to);
@@ -171,16 +183,20 @@ struct shelf { /* grains by cells of at least one diameter */
     double size[3], length[3], diameter;
     int32_t *head, *next; /* -1: none */
     double (*x)[3];
+    struct facet_cells walls; /* the facets near each cell */
+    double radius;            /* m: the least distance of centres to them */
 };
 
 static void shelf_free(struct shelf *s) {
+    facet_cells_free(&s->walls);
     free(s->head);
     free(s->next);
 }
 
-static status shelf_make(const struct grain_box *box, double diameter, int n, double (*x)[3], struct shelf *s) {
-    *s = (struct shelf){.box = box, .n = {1, 1, 1}, .diameter = diameter, .x = x};
-    double side = fmax(diameter * (1 + 1e-9), power(box_volume(box) / (4. * n), 1. / box->dim));
+static status shelf_make(const struct levels *l, double diameter, int n, double (*x)[3], struct shelf *s) {
+    const struct grain_box *box = l->box;
+    *s = (struct shelf){.box = box, .n = {1, 1, 1}, .diameter = diameter, .x = x, .radius = l->radius};
+    double side = fmax(diameter * (1 + 1e-9), power(grains_volume(box) / (4. * n), 1. / box->dim));
     for (int k = 0; k < box->dim; k++) {
         s->length[k] = box->high[k] - box->low[k];
         s->n[k] = (int)fmax(1, fmin(floor(s->length[k] / side), 1e6));
@@ -190,7 +206,13 @@ static status shelf_make(const struct grain_box *box, double diameter, int n, do
     TRY(allocate(&s->head, cells, sizeof *s->head, "cells of a packing"));
     TRY(allocate(&s->next, n, sizeof *s->next, "cells of a packing"));
     memset(s->head, -1, (size_t)cells * sizeof *s->head);
-    return OK;
+    if (!box->facets) return OK;
+    for (int k = 0; k < 3; k++) {
+        s->walls.n[k] = s->n[k];
+        s->walls.low[k] = box->low[k];
+        s->walls.width[k] = k < box->dim ? s->size[k] : 1;
+    }
+    return facet_cells_make(box->facets, s->radius, (const double[3]){0}, &s->walls);
 }
 
 static void shelf_find(const struct shelf *s, const double x[3], int at[3]) {
@@ -216,6 +238,7 @@ static bool shelf_touches(const struct shelf *s, const double a[3], const double
 
 static bool shelf_has_room(const struct shelf *s, const double x[3]) {
     int at[3], near[3], many = s->box->dim == 2 ? 9 : 27;
+    if (s->box->facets && facet_cells_nearest(s->box->facets, &s->walls, x, true) < s->radius) return false;
     shelf_find(s, x, at);
     for (int i = 0; i < many; i++) {
         int step[3] = {i % 3 - 1, i / 3 % 3 - 1, s->box->dim == 2 ? 0 : i / 9 - 1};
@@ -244,7 +267,7 @@ static void shelf_put(struct shelf *s, int number) {
 static status add(const struct levels *l, double diameter, int n, struct random *r, double (*x)[3], int *added) {
     enum { TRIES = 20000 };
     struct shelf s;
-    status result = shelf_make(l->box, diameter, n, x, &s);
+    status result = shelf_make(l, diameter, n, x, &s);
     double start = random_uniform(r);
     for (*added = 0; !result && *added < n; ++*added) {
         const struct packing_level *v = levels_deal(l, start, *added);
@@ -270,7 +293,7 @@ struct growing {
 };
 
 static double packing_of(const struct growing *w) {
-    return w->n * volume_of(w->box.dim, w->diameter) / box_volume(&w->box);
+    return w->n * volume_of(w->box.dim, w->diameter) / grains_volume(&w->box);
 }
 
 /* Sets T back to full^2, because growth heats the grains, and the centre of mass to rest. */
@@ -306,7 +329,7 @@ static status grow_piece(struct growing *w) {
  * slowly, or the grains jam early. */
 static status grow(struct growing *w) {
     static const double rates[] = {3, 0.1, 0.03};
-    double wanted = w->n * volume_of(w->box.dim, w->full) / box_volume(&w->box);
+    double wanted = w->n * volume_of(w->box.dim, w->full) / grains_volume(&w->box);
     for (int k = 0; w->diameter < w->full;) {
         double before = w->diameter;
         if (k == 0 && packing_of(w) > (w->box.dim == 2 ? 0.7 : 0.5)) k = 1;
@@ -325,6 +348,9 @@ static status grow(struct growing *w) {
 static status grow_from(const struct grain_box *box, double small, double full, int n, uint64_t seed, double (*x)[3],
                         struct packing_report *report) {
     struct growing w = {.box = *box, .diameter = small, .full = full, .n = n, .x = x};
+    w.box.wall_restitution = NULL;
+    w.box.shear = 0;
+    w.box.shut = true;
     for (int k = 0; k < 3; k++) {
         w.box.restitution[k][0] = w.box.restitution[k][1] = 1;
         w.box.shake[k] = 0;
@@ -343,7 +369,7 @@ static status grow_from(const struct grain_box *box, double small, double full, 
 
 static status check_room(const struct grain_box *box, double diameter, int n) {
     bool disks = box->dim == 2;
-    double packing = n * volume_of(box->dim, diameter) / box_volume(box), most = disks ? 0.9069 : 0.7405;
+    double packing = n * volume_of(box->dim, diameter) / grains_volume(box), most = disks ? 0.9069 : 0.7405;
     for (int k = 0; k < box->dim; k++) {
         double length = box->high[k] - box->low[k], least = diameter * (box->periodic[k] ? 3 : 1);
         if (!(length > least * (1 + 2 * SLACK)))
@@ -392,6 +418,8 @@ status packing_places(const struct grain_box *box, double diameter, const struct
 
 static long cell_of(const struct grain_box *box, const struct packing_field *f, const double x[3]) {
     long index = 0;
+    bool inside;
+    if (f->mesh) return f->mesh->locate(f->mesh, x, &inside);
     for (int k = box->dim - 1; k >= 0; k--) {
         int at = (int)floor((x[k] - box->low[k]) / (box->high[k] - box->low[k]) * f->n[k]);
         at = at < 0 ? 0 : at >= f->n[k] ? f->n[k] - 1 : at;

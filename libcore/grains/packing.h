@@ -5,14 +5,17 @@
 #ifndef LIBCORE_PACKING_H
 #define LIBCORE_PACKING_H
 
+#include "libcore/grains/grain_mesh.h"
 #include "libcore/grains/grains.h"
 
-/* The fields that a start shall have, on n[0] x n[1] x n[2] equal cells that fill the box; axis 0 fastest. */
+/* The fields that a start shall have, on n[0] x n[1] x n[2] equal cells that fill the box; axis 0 fastest; or on the
+ * cells of a mesh. */
 struct packing_field {
-    int n[3];            /* 1 for axes >= dim */
-    const double *alpha; /* [cells] packing fraction; NULL: the same everywhere */
-    const double *T;     /* [cells] m^2/s^2, variance of each velocity component */
-    const double *u[3];  /* [cells] m/s, box frame; NULL: 0 */
+    int n[3];                      /* 1 for axes >= dim */
+    const struct grain_mesh *mesh; /* NULL: equal cells */
+    const double *alpha;           /* [cells] packing fraction; NULL: the same everywhere */
+    const double *T;               /* [cells] m^2/s^2, variance of each velocity component */
+    const double *u[3];            /* [cells] m/s, box frame; NULL: 0 */
 };
 struct packing_report {
     double added;    /* diameter / final diameter at which the grains were added; 1: they did not have to grow */

@@ -334,7 +334,7 @@ static bool slides_anywhere(const struct gas *g, const struct tile *t) {
 static const double *energy_of(struct gas *g, enum diffusing what, int tile, const double *Y0,
                                const struct ending_sums *ending) {
     const long size = g->forest->size;
-    const double *E = Y0 + (g->components + 1) * size;
+    const double *E = Y0 + energy_at(g) * size;
     if (what != VISCOUS || !slides_anywhere(g, &g->forest->tile[tile])) return E;
     memcpy(g->tiles->work.p, E, (size_t)size * sizeof *E);
     edges_visit(g, tile, slide_edge, ending);

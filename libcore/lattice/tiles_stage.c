@@ -245,8 +245,8 @@ KERNEL static void still_cells(int n, int nvar, double dt, const double *restric
  * round-off of the fluxes, some 2^-53 p dt/dx, says nothing. Mass and energy stay as they were. */
 static void still_row(const struct gas *g, int n, double dt, const double *U, long offset, double (*residual)[BATCH]) {
     ALIGNED uint64_t still[BATCH];
-    const long energy = (g->nvar - 1) * g->forest->size;
-    if (find_still(n, dt, U, U + energy, residual[0], residual[g->nvar - 1], still))
+    const long energy = energy_at(g) * g->forest->size;
+    if (find_still(n, dt, U, U + energy, residual[0], residual[energy_at(g)], still))
         still_cells(n, g->nvar, dt, U, g->tiles->work.c + offset, still, residual);
 }
 

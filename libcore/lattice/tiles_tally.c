@@ -37,7 +37,7 @@ void tiles_tally_begin(struct gas *g, int tile, const double *U) {
         const int axis = side / 2, first = g->books.tally->first[6 * tile + side];
         const double u = w->velocity[axis][0], p = w->p[0];
         for (int v = 0; v < g->nvar && first >= 0; v++) {
-            double flux = U[v * f->size] * u + (v == axis + 1 ? p : v == g->nvar - 1 ? p * u : 0);
+            double flux = U[v * f->size] * u + (v == axis + 1 ? p : v == energy_at(g) ? p * u : 0);
             if (side % 2 == 0) flux = -flux;
             for (int i = 0; i < n[0] * n[1] * n[2] / n[axis]; i++) g->books.tally->stage[v][first + i] = flux;
         }
@@ -74,7 +74,8 @@ static void add_heat(struct gas *g, int tile, const struct edge *e, double per, 
     const bool high = e->to > e->from;
     const double h = g->forest->width[e->normal];
     const int to = place_of(g, tile, e);
-    for (int i = 0; i < e->n; i++) g->books.tally->passed[g->nvar - 1][to + i] += (high ? -per * h : per * h) * gain[i];
+    for (int i = 0; i < e->n; i++)
+        g->books.tally->passed[energy_at(g)][to + i] += (high ? -per * h : per * h) * gain[i];
 }
 
 static void heat_edge(struct gas *g, int tile, const struct edge *e, const void *context) {

@@ -25,7 +25,7 @@ static void cross_visit(void *term, const struct row *row) {
     const struct term *t = term;
     const struct forest *f = t->g->forest;
     cross_row(row->n, f->dim, f->stride, f->size, t->dt, t->g->tiles->diffuser->cross[row->block] + row->at,
-              t->to->block[row->block] + (t->g->components + 1) * f->size + row->at);
+              t->to->block[row->block] + energy_at(t->g) * f->size + row->at);
 }
 
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {

@@ -26,6 +26,9 @@ struct closure_line { /* n <= BATCH cells */
     /* 1 - s, the share of the stress that impacts carry where contacts with friction carry the share s, 0 to 1; NULL: 1
      * everywhere. Correlations between impacts fade with it. */
     const double *by_impacts;
+    /* Is this the second half of a step? What depends on T as a coefficient is frozen at the end of the half step then,
+     * else at its start, so that both halves together are of second order. */
+    bool late;
 };
 
 #endif

@@ -80,16 +80,25 @@ static void garzo_dufty(const struct own_params *params, const struct closure_li
 
 /* ---- laws with a length of correlations (docs/physics.md 3.7) ----
  *
- * dT/dt = -B T^(3/2)/max(1, a/sqrt T) has one solution above sqrt T = a, Haff's, and one below, 1/T = 1/T0 + B t/a. Gas
- * that passes a on its way has the second from there on: T = a^2/(a B t + 2 a/sqrt T0 - 1). */
+ * dT/dt = -B T^(3/2)/(L/sigma) with L frozen. In the second half of a step it is that of its end: L/sigma = a/sqrt T
+ * there, where it is above 1, makes T a root of a quadratic. In steady shear of thin gas sqrt T is a; heating and loss
+ * in turn move T about it, and with L of each moment the loss would lack a part of first order in dt. */
 KERNEL static void cool_correlated(int n, double g1, double per_contact, double dt, const double *restrict contact,
                                    const double *restrict bound, double *restrict eps) {
     for (int i = 0; i < n; i++) {
-        const double root = sqrt(g1 * eps[i]), a = larger(bound[i], 1e-100);
-        const double slow = 1 + 0.5 * dt * (per_contact * contact[i]) * root, path = dt * (per_contact * contact[i]);
-        const double above = eps[i] / (slow * slow), below = eps[i] / (1 + path * (root / a) * root);
-        const double passed = smaller(a * (a / g1) / (a * path + (2 * a / root - 1)), eps[i]);
-        eps[i] = root <= a ? below : root < a * slow ? passed : above;
+        const double root = sqrt(g1 * eps[i]), length = larger(1, bound[i] / root);
+        const double slow = 1 + 0.5 * dt * (per_contact * (contact[i] / length)) * root;
+        eps[i] = eps[i] / (slow * slow);
+    }
+}
+
+KERNEL static void cool_correlated_late(int n, double g1, double per_contact, double dt, const double *restrict contact,
+                                        const double *restrict bound, double *restrict eps) {
+    for (int i = 0; i < n; i++) {
+        const double root = sqrt(g1 * eps[i]), a = larger(bound[i], 1e-100), path = dt * (per_contact * contact[i]);
+        const double slow = 1 + 0.5 * dt * (per_contact * contact[i]) * root;
+        const double part = 2 / (1 + sqrt(1 + 2 * path * (root / a) * root));
+        eps[i] = root < a * slow ? eps[i] * (part * part) : eps[i] / (slow * slow);
     }
 }
 
@@ -119,6 +128,8 @@ static void cool_with_length(const struct closure_line *cells, const double *con
     const double g1 = m->gamma - 1, per_contact = g1 * (cooling_factor(m) * losses_of(m) / m->diameter);
     if (m->threshold > 0)
         cool_length_above(cells, per_contact, contact, bound, dt, eps);
+    else if (cells->late)
+        cool_correlated_late(cells->n, g1, per_contact, dt, contact, bound, eps);
     else
         cool_correlated(cells->n, g1, per_contact, dt, contact, bound, eps);
 }

@@ -31,8 +31,8 @@ struct cooling {
     void (*step)(const struct own_params *params, const struct closure_line *cells, double dt, double *restrict eps);
 };
 
-/* All laws without a threshold are exact, those with L at a given shear rate. With a threshold they are of second order
- * in dt, and Haff's is within 27 % of the exact value however long dt is. */
+/* Haff without a threshold is exact; with a threshold it is of second order in dt, and within 27 % of the exact value
+ * however long dt is. Laws with L are of second order over two half steps, of which the second one is `late`. */
 extern const struct cooling cooling_table[];
 extern const int cooling_count;
 const struct cooling *cooling_find(const char *name); /* NULL: there is no such law */

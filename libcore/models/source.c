@@ -15,7 +15,7 @@ static void cooling_step(const struct source_step *s, int n, const double *restr
                          double *restrict eps) {
     (void)mom;
     const struct closure_line cells = {
-        .eos = s->eos, .material = s->material, .n = n, .rho = rho, .shear_rate = s->shear_rate};
+        .eos = s->eos, .material = s->material, .n = n, .rho = rho, .shear_rate = s->shear_rate, .late = s->late};
     s->all->cooling->step(&s->all->cooling_params, &cells, s->dt, eps);
 }
 
@@ -281,7 +281,7 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
         const struct source_type *r = &source_table[row];
         if (!source_row_active(s, m, row)) continue;
         struct source_step *step = &out->step[out->n++];
-        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, NULL, {0}, {0}};
+        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, NULL, {0}, {0}, backwards};
         if (r->plan) r->plan(step);
     }
     out->gravity_alone = out->n == 1 && out->step[0].row->step == gravity_step;

@@ -40,6 +40,7 @@ struct source_step { /* one source over one sub-step: the numbers that are the s
     /* The row's plan sets: */
     double kick[MAX_DIM]; /* m/s: the velocity that gas at rest gains */
     double number[4];     /* further numbers that the row's step needs */
+    bool late;            /* as in struct closure_line */
 };
 
 struct source_type {

@@ -450,7 +450,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         for (int v = 0; v <= (what == VISCOUS ? g->components : 0); v++)
             cells_residuals(g->cells, at, n, g->cells->flux[v], M[v]);
-        const double *E = from + (g->components + 1) * g->size;
+        const double *E = from + energy_at(g) * g->size;
         count += move_row(g, &(struct moved){what, {0, at, n}, from, E, to->block[0], dt, M});
     }
     return count;

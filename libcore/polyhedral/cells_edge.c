@@ -74,7 +74,7 @@ static void held_run(const struct gas *g, int from, int n, double *const U[MAX_V
             U[k + 1][mirror] = 2 * rho * w[k] - U[k + 1][cell];
         }
         U[0][mirror] = rho;
-        U[g->components + 1][mirror] = U[g->components + 1][cell] + 2 * work;
+        U[energy_at(g)][mirror] = U[energy_at(g)][cell] + 2 * work;
     }
 }
 

@@ -95,7 +95,7 @@ void cells_rest_find(const struct gas *g, int from, int to, const double *const 
 void cells_rest_add(const struct gas *g, int from, int n, const int *cell, double (*at)[BATCH]) {
     const struct cells_rest *r = g->cells->rest;
     for (int v = 0; v < 2; v++) {
-        double *q = at[v * (g->components + 1)];
+        double *q = at[v * energy_at(g)];
         for (int i = 0; i < n; i++) {
             const double w = r->near[cell[i]];
             q[i] = (q[i] - w * r->U[v][cell[i]]) + w * r->at[v][from + i];
@@ -109,7 +109,7 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
     for (int i = 0; i < n && r->finds == VALUES; i++) {
         const bool left = r->rests[f->left[face[i]]], right = side && r->rests[f->right[face[i]]];
         for (int v = 0; v < 2; v++) {
-            const double here = at[v * (g->components + 1)][i];
+            const double here = at[v * energy_at(g)][i];
             double *q = &r->at[v][from + i];
             *q = side && left && right ? 0.5 * (*q + here) : side && left ? *q : here;
         }
@@ -204,15 +204,14 @@ static void take_state(struct gas *g) {
     cells_lines(g, &g->U, U);
     for (int i = 0; i < m->nown; i++)
         for (int k = 0; k < g->components; k++) {
-            U[g->components + 1][i] -= 0.5 * U[k + 1][i] * U[k + 1][i] / U[0][i];
+            U[energy_at(g)][i] -= 0.5 * U[k + 1][i] * U[k + 1][i] / U[0][i];
             U[k + 1][i] = 0;
         }
     polyhedra_fill_start(m, g->nvar, U);
     polyhedra_fill_finish(m);
     cells_mirrors(g, 0, m->mirror.n, U);
     for (int inner = 1; inner >= 0; inner--) cells_weigh(g, inner, U);
-    for (int v = 0; v < 2; v++)
-        memcpy(g->cells->rest->U[v], U[v * (g->components + 1)], (size_t)m->size * sizeof(double));
+    for (int v = 0; v < 2; v++) memcpy(g->cells->rest->U[v], U[v * energy_at(g)], (size_t)m->size * sizeof(double));
 }
 
 status cells_rest(struct gas *g, const bool *rests) {

@@ -37,12 +37,12 @@ void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt) {
     const struct tally *t = g->books.tally;
     for (int v = 0; v <= g->components && what == VISCOUS; v++)
         tally_add(t, v < g->components ? 1 : 1 / dt, t->stage[v], t->passed[v]);
-    if (what == HEAT) tally_add(t, 1, t->stage[0], t->passed[g->nvar - 1]);
+    if (what == HEAT) tally_add(t, 1, t->stage[0], t->passed[energy_at(g)]);
 }
 
 void cells_tally_cross(struct gas *g, double dt) {
     const double *cross = g->cells->diffuser->cross + g->cells->polyhedra->face.ninternal;
-    tally_add(g->books.tally, dt, cross, g->books.tally->passed[g->nvar - 1]);
+    tally_add(g->books.tally, dt, cross, g->books.tally->passed[energy_at(g)]);
 }
 
 static void visit_face(const struct gas *g, int face, gas_face_visitor *visit, void *context) {

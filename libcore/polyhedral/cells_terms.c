@@ -83,7 +83,7 @@ void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
     cells_lines(g, to, U);
     for (int at = 0; at < nown; at += BATCH) {
         const int n = nown - at < BATCH ? nown - at : BATCH;
-        double *E = U[g->components + 1] + at;
+        double *E = U[energy_at(g)] + at;
         cells_residuals(g->cells, at, n, g->cells->diffuser->cross, sum);
         for (int i = 0; i < n; i++) E[i] += dt * sum[i];
     }

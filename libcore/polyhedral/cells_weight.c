@@ -139,7 +139,7 @@ static void find_rest(const struct gas *g, int from, int n, const double *rho, s
 static void weigh(const struct gas *g, int from, int n, double *const U[MAX_VAR]) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct gas_models *models = &g->models;
-    const int *mirror = g->cells->weight->mirror + from, last = g->components + 1;
+    const int *mirror = g->cells->weight->mirror + from, last = energy_at(g);
     struct images q;
     double plain[BATCH], *u[MAX_DIM] = {q.velocity[0], q.velocity[1], q.velocity[2]};
     for (int v = 0; v < g->nvar; v++)

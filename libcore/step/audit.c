@@ -108,9 +108,9 @@ static void note_status(struct audit *a, status e) {
 /* Takes the totals of a state; returns the change of energy since the last look. */
 static double look(struct gas *g, const struct state *now) {
     struct audit *a = g->books.audit;
-    const double before = a->now.totals[g->components + 1];
+    const double before = a->now.totals[energy_at(g)];
     note_status(a, state_totals(g, now, a->now.totals));
-    return a->now.totals[g->components + 1] - before;
+    return a->now.totals[energy_at(g)] - before;
 }
 
 void audit_part(struct gas *g, enum gas_cause cause, const struct state *now) {
@@ -262,7 +262,7 @@ static void book_kick(struct gas *g, const struct state *now, double energy) {
     struct audit *a = g->books.audit;
     double after[MAX_VAR];
     find_beside(g, now, after);
-    book_weight(g, (after[g->components + 1] - a->beside[g->components + 1]) - energy);
+    book_weight(g, (after[energy_at(g)] - a->beside[energy_at(g)]) - energy);
     for (int k = 0; k < g->components; k++) a->now.pushed[source_gravity_row()][k] += after[k + 1] - a->beside[k + 1];
 }
 
@@ -337,7 +337,7 @@ status gas_budget(const struct gas *g, struct gas_budget *out) {
     *out = (struct gas_budget){0};
     TRY(gas_totals(g, totals));
     floors_of(g, floors);
-    const double now[2] = {totals[0], totals[g->components + 1]};
+    const double now[2] = {totals[0], totals[energy_at(g)]};
     for (int i = 0; i < GAS_CAUSES; i++) out->gained[i] = a->known[i] ? a->start.gained[i] : 0;
     /* the energy booked under the stages contains the energy that floors added in them */
     const double seen = a->start.gained[GAS_FLOORS], all = floors[1] - a->floors[1];
@@ -348,7 +348,7 @@ status gas_budget(const struct gas *g, struct gas_budget *out) {
     out->filled = floors[0] - a->floors[0];
     out->flowed = a->known[GAS_FLOW] ? now[0] - a->first[0] - out->filled : 0;
     out->lost[0] = a->first[0] + out->flowed + out->filled - now[0];
-    out->lost[1] = a->first[g->components + 1] - now[1];
+    out->lost[1] = a->first[energy_at(g)] - now[1];
     for (int i = 0; i < source_count; i++) out->lost[1] += out->sourced[i] = a->start.sourced[i];
     for (int i = 0; i < GAS_CAUSES; i++) out->lost[1] += out->gained[i];
     return find_momentum(g, totals, out);

@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-enum { MOST_PARTS = 1000000 };        /* a step may be cut into */
+enum { MOST_PARTS = 10000 };          /* a step may be cut into */
 static const double FULL = 1 - 1e-12; /* of a cell's mass may leave it in a part of a step: round-off stays behind */
 
 static status make_quantities(struct gas *g) {

@@ -189,6 +189,7 @@ static status read_setup(struct setup *s, const struct medium_type *type) {
     if (type->whole) TRY(setup_complete(s));
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
     TRY(type->read(s));
+    if (!s->medium->fields.quantity) s->medium->fields = type->fields;
     TRY(warn_header(&s->warnings, s->control->dict, "dictionary"));
     TRY(warn_passed(&s->warnings, s->control->dict));
     for (int i = 0; i < s->nfiles; i++)

@@ -44,10 +44,14 @@ static status check_forces(const struct setup *s, const struct grains_models *m)
                      "new number here, and go on");
 }
 
+static long box_cells(const struct setup *s) {
+    return (long)s->lattice->n[0] * s->lattice->n[1] * s->lattice->n[2];
+}
+
 /* Returns the fastest of what the start and the forces have (m/s). */
 static double fastest(const struct setup *s, const struct dem_run *r) {
     double most = scales_fall(s, &r->models->forces.source);
-    for (int c = 0; r->start.T && c < s->mesh->ncells; c++) {
+    for (long c = 0; r->start.T && c < box_cells(s); c++) {
         double square = 0;
         for (int k = 0; k < s->dim; k++) square += r->start.u[k][c] * r->start.u[k][c];
         most = fmax(most, sqrt(square) + 3 * sqrt(r->start.T[c]));
@@ -82,7 +86,8 @@ static double weight_of(const struct setup *s, const struct dem_run *r, double *
         if (fabs(g[k]) > fabs(g[down])) down = k;
         total *= r->walls.high[k] - r->walls.low[k];
     }
-    for (int c = 0; r->start.alpha && c < s->mesh->ncells; c++) volume += r->start.alpha[c] / s->mesh->ncells * total;
+    for (long c = 0; r->start.alpha && c < box_cells(s); c++)
+        volume += r->start.alpha[c] / (double)box_cells(s) * total;
     *area = total / (r->walls.high[down] - r->walls.low[down]) / (s->dim == 2 ? d : d * d);
     return volume / (s->dim == 2 ? 0.785398 * d * d : 0.523599 * d * d * d) * r->law.mass * sqrt(size);
 }
@@ -119,6 +124,7 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     snprintf(path, sizeof path, "%s/%s/uniform/softGrains", s->dir, s->start.folder);
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, m, saved, &r->start));
+    TRY(grains_start_take(s, m, NULL, saved, &r->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, r->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&r->start, s->mesh, m));
     TRY(grains_start_check(s, m, &r->start));

@@ -31,9 +31,12 @@ static void write_side(FILE *f, const struct dem_walls *w, int i) {
     fprintf(f, "fix wall%d all wall/gran granular ", i);
     write_law(f, &wall->law);
     if (wall->side)
-        fprintf(f, " %cplane NULL %.17g contacts\n", "xyz"[wall->axis], at);
+        fprintf(f, " %cplane NULL %.17g", "xyz"[wall->axis], at);
     else
-        fprintf(f, " %cplane %.17g NULL contacts\n", "xyz"[wall->axis], at);
+        fprintf(f, " %cplane %.17g NULL", "xyz"[wall->axis], at);
+    for (int k = 0; k < 3; k++)
+        if (wall->velocity[k] != 0) fprintf(f, " shear %c %.17g", "xyz"[k], wall -> velocity[k]);
+    fprintf(f, " contacts\n");
 }
 
 /* Sets the slab behind a rectangle as a prism of LAMMPS: three edges, the first along x, the second in the plane of x
@@ -147,7 +150,7 @@ static void write_data(FILE *f, const struct dem_law *law, const struct dem_mome
     fprintf(f, "grains of granularDEM\n\n%d atoms\n1 atom types\n\n", g->n);
     for (int k = 0; k < 3; k++) {
         const bool flat = k >= w->dim;
-        const double beyond = w->periodic[k] ? 0 : d, half = 0.5 * (w->low[k] + w->high[k]);
+        const double beyond = w->periodic[k] || w->open ? 0 : d, half = 0.5 * (w->low[k] + w->high[k]);
         fprintf(f, "%.17g %.17g %clo %chi\n", flat ? half - d / 2 : w->low[k] - beyond,
                 flat ? half + d / 2 : w->high[k] + beyond, "xyz"[k], "xyz"[k]);
     }

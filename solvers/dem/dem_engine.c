@@ -16,6 +16,8 @@ struct dem_engine {
     double t, dt;   /* s: time of the last dem_engine_pace */
     long step, set; /* steps done; and at that time */
     bool anew;      /* is the next piece set up first? */
+    bool begun;     /* has LAMMPS been set up since it read grains? */
+    char folder[TEXT];
     int nold;
     int *index; /* [nold + 1] of a number; -1: the grain has left */
     char *columns;
@@ -51,14 +53,13 @@ static status keep_text(const char *folder, const char *text) {
     return fclose(f) || failed ? fail(ERR_SYSTEM, "%s: cannot be written (disk full?)", path) : OK;
 }
 
-static status send_deck(struct dem_engine *e, const char *folder, const struct dem_moment *start, const char *restart) {
-    char data[TEXT + 32], *text = NULL;
-    snprintf(data, sizeof data, "%s/grains.data", folder);
-    if (start) TRY(dem_deck_data(&e->law, start, data));
+static status send_deck(struct dem_engine *e, const char *data, const char *restart, bool keep) {
+    char *text = NULL;
     status s = dem_deck(&e->law, data, restart, &text);
-    if (!s) s = keep_text(folder, text);
+    if (!s && keep) s = keep_text(e->folder, text);
     if (!s) lammps_send(e->lammps, "%s", text);
     free(text);
+    e->begun = false;
     TRY(s);
     return lammps_wait(e->lammps);
 }
@@ -66,12 +67,16 @@ static status send_deck(struct dem_engine *e, const char *folder, const struct d
 static status fill(struct dem_engine *e, int ranks, const char *folder, const struct dem_moment *start,
                    const char *restart, int nold) {
     const struct dem_law *law = &e->law;
+    char data[TEXT + 32];
+    snprintf(e->folder, sizeof e->folder, "%s", folder);
+    snprintf(data, sizeof data, "%s/grains.data", folder);
     e->nold = nold;
     TRY(allocate(&e->index, nold + 1, sizeof(int), "grains"));
     TRY(allocate(&e->columns, TEXT, 1, "grains"));
     dem_deck_columns(law->walls, e->columns, TEXT);
     TRY(lammps_start(ranks, &e->lammps));
-    return send_deck(e, folder, start, restart);
+    if (start) TRY(dem_deck_data(law, start, data));
+    return send_deck(e, data, restart, true);
 }
 
 status dem_engine_make(const struct dem_law *law, int ranks, const char *folder, const struct dem_moment *start,
@@ -97,7 +102,17 @@ void dem_engine_pace(struct dem_engine *e, double t, double dt, bool anew) {
     e->anew = true;
 }
 
+/* Reads all anew as a restart does. LAMMPS must not be set up twice: each time fix wall/gran takes its coefficient of
+ * `damping tsuji`, which it has changed into alpha before, for a restitution and changes it once more. */
+static status reload(struct dem_engine *e) {
+    char restart[TEXT + 32];
+    snprintf(restart, sizeof restart, "%s/grains.restart", e->folder);
+    lammps_send(e->lammps, "write_restart \"%s\"\nclear", restart);
+    return send_deck(e, "", restart, false);
+}
+
 status dem_engine_run(struct dem_engine *e, long steps) {
+    if (e->anew && e->begun) TRY(reload(e));
     if (e->anew) {
         lammps_send(e->lammps, "timestep %.17g", e->dt);
         lammps_send(e->lammps, "variable begin equal $(step)");
@@ -105,6 +120,7 @@ status dem_engine_run(struct dem_engine *e, long steps) {
     }
     lammps_send(e->lammps, "run %ld%s post no", steps, e->anew ? "" : " pre no");
     e->anew = false;
+    e->begun = true;
     return lammps_wait(e->lammps);
 }
 

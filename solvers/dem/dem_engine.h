@@ -37,12 +37,12 @@ status dem_engine_make(const struct dem_law *law, int ranks, const char *folder,
                        const char *restart, struct dem_engine **out);
 void dem_engine_free(struct dem_engine *e);
 
-/* Sets the time (s) and the length of the steps that follow. A new length, or `anew`, sets the run up once more. */
+/* Sets the time (s) and the length of the steps that follow. With a new length, or `anew`, LAMMPS begins once more from
+ * a restart file of its own, FOLDER/grains.restart. */
 void dem_engine_pace(struct dem_engine *e, double t, double dt, bool anew);
 status dem_engine_run(struct dem_engine *e, long steps);
 status dem_engine_moment(struct dem_engine *e, struct dem_moment *out);
-/* Writes a restart file. A run that goes on and one that starts from the file have the same bits if both are set up
- * anew behind it. */
+/* Writes a restart file. The run then goes on from one of its own, so that it has the bits of one that starts there. */
 status dem_engine_save(struct dem_engine *e, const char *path);
 
 #endif

@@ -13,14 +13,29 @@
 
 #define PI 3.14159265358979323846
 
+enum { P_COMPONENTS = GRAINS_QUANTITIES, P_SHEAR, SPIN, QUANTITIES };
+static const int written[] = {0, 1, 2, 3, 4, 5, P_COMPONENTS, P_SHEAR, SPIN, -1};
+static const enum coarse_field coarse_of[] = {COARSE_P_AXES, COARSE_P_SHEAR, COARSE_SPIN};
+
 struct dem_run_medium {
     struct medium base;
     struct pool pool;
     struct dem_run run;
     struct dem_table table;
-    int *place;                                                     /* [ncells] index in the lattice of a cell */
-    double *value[GRAINS_QUANTITIES][3], valued[GRAINS_QUANTITIES]; /* [cells] of fields, and the time they are of */
+    int *place;                                       /* [ncells] index in the lattice of a cell */
+    double *value[QUANTITIES][3], valued[QUANTITIES]; /* [cells] of fields, and the time they are of */
 };
+/* Those of hard grains, the pressure tensor as its components along the axes and (xy xz yz), and the mean spin. */
+static const struct quantity quantities[] = {
+    GRAINS_QUANTITY_ROWS,
+    [P_COMPONENTS] = {"pComponents", 3, {1, -1, -2, 0, 0, 0, 0}, false},
+    [P_SHEAR] = {"pShear", 3, {1, -1, -2, 0, 0, 0, 0}, false},
+    [SPIN] = {"omega", 3, {0, 0, -1, 0, 0, 0, 0}, false},
+};
+static int components(const struct setup *s, int quantity) {
+    return quantity == SPIN ? 3 : quantities[quantity].components == 3 ? s->dim : 1;
+}
+
 static struct dem_run_medium *of(const struct medium *m) {
     return (struct dem_run_medium *)(uintptr_t)m;
 }
@@ -61,9 +76,9 @@ static status make_values(struct dem_run_medium *x) {
     TRY(pool_take(&x->pool, &x->place, s->mesh->ncells, sizeof *x->place, "cells"));
     for (int i = 0; i < cells; i++)
         if (l->cell[i] >= 0) x->place[l->cell[i]] = i;
-    for (int f = 0; f < GRAINS_QUANTITIES; f++) {
+    for (int f = 0; f < QUANTITIES; f++) {
         x->valued[f] = NAN;
-        for (int k = 0; k < grains_components(s, f); k++)
+        for (int k = 0; k < components(s, f); k++)
             TRY(pool_take(&x->pool, &x->value[f][k], cells, sizeof(double), "fields"));
     }
     return OK;
@@ -162,7 +177,8 @@ static status medium_step(struct medium *m, const struct control *c, double t, d
 static double imbalance(const struct dem_run *r) {
     const struct dem_sums *s = &r->sums;
     const double lost = r->account.normal + r->account.tangent + dem_run_friction(r);
-    return (dem_run_energy(r) + lost - r->account.energy) / fmax(fabs(r->account.energy), s->kinetic + s->spin + lost);
+    return (dem_run_energy(r) + lost - r->account.work - r->account.energy) /
+           fmax(fabs(r->account.energy), s->kinetic + s->spin + lost);
 }
 
 static void fill_row(const struct dem_run *r, struct log_row *row) {
@@ -181,6 +197,7 @@ static void fill_row(const struct dem_run *r, struct log_row *row) {
     log_column(row, "lostNormal", r->account.normal);
     log_column(row, "lostTangential", r->account.tangent);
     log_column(row, "lostFriction", dem_run_friction(r));
+    log_column(row, "wallWork", r->account.work);
     log_column(row, "energyChange", imbalance(r));
     for (int k = 0; k < 3; k++) log_column(row, names[k], momentum[k]);
 }
@@ -216,20 +233,22 @@ static status medium_derive(struct medium *m, int quantity) {
     struct dem_run *r = &x->run;
     if (x->valued[quantity] == r->account.t) return OK;
     if (!averages_mark(r->averages)->complete) TRY(dem_run_look(r));
-    struct averages_moment now = dem_run_averaged(r);
-    averages_value_soft(r->averages, &now, grains_coarse_of[quantity], x->value[quantity]);
+    const struct averages_moment now = dem_run_averaged(r);
+    const enum coarse_field field =
+        quantity < GRAINS_QUANTITIES ? grains_coarse_of[quantity] : coarse_of[quantity - GRAINS_QUANTITIES];
+    averages_value_soft(r->averages, &now, field, x->value[quantity]);
     x->valued[quantity] = r->account.t;
     return OK;
 }
 
 static void medium_block(const struct medium *m, int block, int quantity, double *const out[3]) {
     const struct grid_block *b = &m->setup->grid->block[block];
-    for (int k = 0; k < grains_components(m->setup, quantity); k++)
+    for (int k = 0; k < components(m->setup, quantity); k++)
         for (int i = 0; i < b->ncells; i++) out[k][i] = of(m)->value[quantity][k][of(m)->place[b->cell[i]]];
 }
 
 static const struct patch_field *medium_patch(const struct medium *m, int quantity, int patch) {
-    return grains_patch(&of(m)->run.start, quantity, patch);
+    return quantity < GRAINS_QUANTITIES ? grains_patch(&of(m)->run.start, quantity, patch) : NULL;
 }
 
 static status medium_cloud(const struct medium *m, struct cloud *out) {
@@ -245,8 +264,8 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     TRY(allocate(&out->spin, now->n, sizeof *out->spin, "spins of grains"));
     out->diameter = r->law.diameter;
     for (int i = 0; i < now->n; i++) {
-        const long at = grains_box_cell(s->lattice, now->x[i]);
-        out->cell[i] = s->lattice->cell[at] < 0 ? 0 : s->lattice->cell[at];
+        const long cell = grains_box_cell(s, NULL, now->x[i]);
+        out->cell[i] = cell < 0 ? 0 : (int)cell;
         out->id[i] = now->id[i] - 1;
         grains_box_place(s, now->x[i], out->x[i]);
         for (int k = 0; k < 3; k++) {
@@ -277,7 +296,8 @@ static const char help[] =
     "Moves soft disks (two solved axes) or spheres (three) with friction on the case in DIR (default: here), by the\n"
     "program lmp of LAMMPS, which must be in PATH (Debian: apt-get install lammps). The case is one of granularGas or\n"
     "granularMD, with  application granularDEM;  in system/controlDict and  contact { .. }  in\n"
-    "constant/particleProperties. Fields rho alpha U T p TComponents are written as means over grains and contacts, "
+    "constant/particleProperties. Fields rho alpha U T p TComponents pComponents pShear omega are written as means "
+    "over grains and contacts, "
     "the\n"
     "grains themselves as lagrangian/grains, and the commands of LAMMPS as dem/in.lammps.\n\n"
     "  -np N        LAMMPS runs on N ranks; a restart has the same bits on the same number\n"
@@ -296,7 +316,8 @@ const struct medium_type dem_medium = {
     .list_models = grains_models_list_soft,
     .list_boundaries = list_boundaries,
     .keywords = grains_models_keywords_soft,
-    .fields = {grains_quantity, GRAINS_QUANTITIES, grains_written, grains_written},
+    .fields = {quantities, QUANTITIES, written, written},
+    .axial = SPIN,
     .event_driven = true,
     .whole = true,
     .starts = true,

@@ -16,7 +16,13 @@ void dem_run_free(struct dem_run *r) {
     dem_state_free(&r->saved);
     grains_start_free(&r->start);
     grains_models_free(r->models);
-    free(r->impact);
+    free(r->stress);
+}
+
+static struct coarse_grid grid_of(const struct dem_run *r) {
+    struct coarse_grid g = grains_grid(r->setup, r->models);
+    g.rough = true;
+    return g;
 }
 
 double dem_run_energy(const struct dem_run *r) {
@@ -34,20 +40,21 @@ struct averages_moment dem_run_averaged(const struct dem_run *r) {
                                     .n = m->n,
                                     .x = (const double(*)[3])m->x,
                                     .u = (const double(*)[3])m->u,
+                                    .spin = (const double(*)[3])m->spin,
                                     .ncontacts = m->ncontacts,
-                                    .contact = r->impact};
+                                    .contact = r->stress};
 }
 
 /* Computes what follows from the moment. */
 static status digest(struct dem_run *r) {
     const struct dem_moment *m = &r->moment;
-    if (m->ncontacts > r->impacts) {
-        free(r->impact);
-        r->impacts = 0;
-        TRY(allocate(&r->impact, m->ncontacts, sizeof *r->impact, "contacts"));
-        r->impacts = m->ncontacts;
+    if (m->ncontacts > r->stresses) {
+        free(r->stress);
+        r->stresses = 0;
+        TRY(allocate(&r->stress, m->ncontacts, sizeof *r->stress, "contacts"));
+        r->stresses = m->ncontacts;
     }
-    dem_impacts(&r->law, m, r->impact);
+    dem_stresses(m, r->stress);
     dem_sums(&r->law, m, &r->sums);
     return OK;
 }
@@ -92,6 +99,23 @@ static status check_overlaps(const struct dem_run *r) {
     return OK;
 }
 
+static bool is_hole(const struct lattice *l, long i, int k, int by) {
+    long stride = 1;
+    for (int a = 0; a < k; a++) stride *= l->n[a];
+    const long at = i / stride % l->n[k] + by;
+    return at >= 0 && at < l->n[k] && l->cell[i + by * stride] < 0;
+}
+
+/* Empties cells beside holes of the lattice: grains are put anywhere in a cell, and walls of the box alone are heeded.
+ */
+static void keep_off_holes(struct dem_run *r) {
+    const struct lattice *l = r->setup->lattice;
+    const long cells = (long)l->n[0] * l->n[1] * l->n[2];
+    for (long i = 0; r->start.alpha && i < cells; i++)
+        for (int k = 0; k < l->dim; k++)
+            if (is_hole(l, i, k, -1) || is_hole(l, i, k, 1)) r->start.alpha[i] = 0;
+}
+
 static status place(struct dem_run *r) {
     const struct dem_walls *w = &r->walls;
     struct grain_box box = {.dim = w->dim};
@@ -102,6 +126,7 @@ static status place(struct dem_run *r) {
         box.periodic[k] = w->periodic[k];
         box.restitution[k][0] = box.restitution[k][1] = 1;
     }
+    keep_off_holes(r);
     status e = grain_start_make(r->setup, r->models, &box, &r->start, &p);
     if (!e) e = dem_moment_make(p.n, &r->moment);
     for (int i = 0; !e && i < p.n; i++)
@@ -122,7 +147,7 @@ static status place(struct dem_run *r) {
 static status make_averages(struct dem_run *r) {
     const struct grains_models *m = r->models;
     const struct dem_state *s = &r->saved;
-    const struct coarse_grid grid = grains_grid(r->setup, m);
+    const struct coarse_grid grid = grid_of(r);
     double numbers[16];
     long n;
     TRY(status_note(averages_make(&grid, m->window, m->samples, r->setup->start.t, r->moment.nold, &r->averages),
@@ -155,6 +180,24 @@ status dem_run_start(struct dem_run *r) {
 
 /* ---- pieces ---- */
 
+/* Fails if grains that a user placed overlap. */
+static status check_pairs(struct dem_run *r) {
+    const struct dem_moment *m = &r->moment;
+    dem_engine_pace(r->engine, r->account.t, r->longest, true);
+    TRY(dem_engine_run(r->engine, 0));
+    TRY(dem_engine_moment(r->engine, &r->moment));
+    for (long i = 0; i < m->ncontacts; i++) {
+        const struct dem_contact *c = &m->contact[i];
+        if (c->b < 0 || c->overlap < 1e-3 * r->law.diameter) continue;
+        return fail(
+            ERR_INPUT,
+            "%s/%s/lagrangian/grains/positions: grains %d and %d overlap by %.3g diameters at the start; 1e-3 is "
+            "allowed",
+            r->setup->dir, r->setup->start.folder, m->id[c->a], m->id[c->b], c->overlap / r->law.diameter);
+    }
+    return digest(r);
+}
+
 static status launch(struct dem_run *r) {
     const struct setup *s = r->setup;
     struct lammps_abilities can;
@@ -164,14 +207,25 @@ static status launch(struct dem_run *r) {
     TRY(lammps_ask(&can));
     TRY(case_make_folders(s, folder));
     const bool goes_on = !r->changed && field_exists(restart);
-    return dem_engine_make(&r->law, s->ranks, folder, &r->moment, goes_on ? restart : NULL, &r->engine);
+    TRY(dem_engine_make(&r->law, s->ranks, folder, &r->moment, goes_on ? restart : NULL, &r->engine));
+    return r->from_cloud ? check_pairs(r) : OK;
+}
+
+/* Returns how many steps there are to be in a time. In the windows of averages all are as long as in half the time
+ * between two samples: a new length makes LAMMPS begin once more. */
+static double steps_in(const struct dem_run *r, double time) {
+    const struct averages_mark *mark = averages_mark(r->averages);
+    const double half = mark->window / (2. * mark->samples), halves = half > 0 ? round(time / half) : 0;
+    if (halves >= 1 && fabs(time - halves * half) < 1e-9 * half)
+        return halves * fmax(1, ceil(half / r->longest - 1e-9));
+    return fmax(1, ceil(time / r->longest - 1e-9));
 }
 
 /* Plans equal steps from now to a time. */
 static void plan(struct dem_run *r, double to) {
     struct dem_span *p = &r->span;
     if (p->done < p->n && p->to == to) return;
-    const double t = r->account.t, n = fmax(1, ceil((to - t) / r->longest - 1e-9));
+    const double t = r->account.t, n = steps_in(r, to - t);
     *p = (struct dem_span){.from = t, .to = to, .dt = (to - t) / n, .n = (long)n};
     dem_engine_pace(r->engine, t, p->dt, false);
 }
@@ -191,6 +245,7 @@ static status sample(struct dem_run *r) {
         r->account.normal += every * r->sums.normal_loss;
         r->account.tangent += every * r->sums.tangent_loss;
         r->account.drag += every * r->sums.drag;
+        r->account.work += every * r->sums.work;
     }
     const struct averages_moment now = dem_run_averaged(r);
     averages_take_soft(r->averages, &now);
@@ -229,7 +284,7 @@ status dem_run_look(struct dem_run *r) {
 }
 
 status dem_run_save(struct dem_run *r, const char *folder, const char *location, struct checksums *sums) {
-    const struct coarse_grid grid = grains_grid(r->setup, r->models);
+    const struct coarse_grid grid = grid_of(r);
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct file_sum sum;
     TRY(dem_run_look(r));

@@ -29,8 +29,8 @@ struct dem_run {
     struct dem_account account;
     struct dem_moment moment; /* grains at the time moment_t */
     double moment_t;
-    struct grain_impact *impact; /* [impacts] its contacts */
-    long impacts;
+    struct coarse_contact *stress; /* [stresses] its contacts */
+    long stresses;
     struct dem_sums sums; /* of that moment */
     struct dem_span span;
     double longest; /* s: the longest step allowed */

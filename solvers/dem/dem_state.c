@@ -35,13 +35,14 @@ void dem_state_law(const struct dem_law *law, double out[DEM_LAW]) {
     out[n++] = g->frequency;
     out[n++] = g->phase;
     out[n++] = w->n;
-    for (int i = -1; i < w->n && n + 5 <= DEM_LAW; i++) {
+    for (int i = -1; i < w->n && n + 8 <= DEM_LAW; i++) {
         const struct contact_law *l = i < 0 ? &law->pair : &w->wall[i].law;
         out[n++] = l->k;
         out[n++] = l->eta;
         out[n++] = l->kt;
         out[n++] = l->chi;
         out[n++] = l->friction;
+        for (int k = 0; i >= 0 && k < 3; k++) out[n++] = w->wall[i].velocity[k];
     }
 }
 

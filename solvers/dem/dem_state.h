@@ -14,8 +14,9 @@ struct dem_account {              /* since the run of the grains began */
     double speed;                 /* m/s: impactSpeed */
     double energy;                /* J: all that the grains had at the start */
     double normal, tangent, drag; /* J: integrals of the losses in struct dem_sums */
+    double work;                  /* J: of walls that move */
 };
-enum { DEM_LAW = 64 };
+enum { DEM_LAW = 512 };
 struct dem_state {
     int n, nold;
     struct dem_account account;

@@ -10,14 +10,17 @@ static double dot(const double a[3], const double b[3]) {
 }
 
 /* Sets the velocity of a contact's point of a relative to b, along the tangent; returns the speed along the normal. */
-static double sliding(const struct dem_moment *m, const struct dem_contact *c, double radius, double out[3]) {
-    const double *spin = m->spin[c->a], *other = c->b < 0 ? NULL : m->spin[c->b], *from = c->b < 0 ? NULL : m->u[c->b];
+static double sliding(const struct dem_law *law, const struct dem_moment *m, const struct dem_contact *c,
+                      double out[3]) {
+    const double *spin = m->spin[c->a], *other = c->b < 0 ? NULL : m->spin[c->b],
+                 *from = c->b < 0 ? law->walls->wall[-1 - c->b].velocity : m->u[c->b];
     double n[3], w[3], normal = 0;
+    const double radius = 0.5 * law->diameter;
     const double r = sqrt(dot(c->branch, c->branch));
     for (int k = 0; k < 3; k++) {
         n[k] = c->branch[k] / r;
         w[k] = radius * (spin[k] + (other ? other[k] : 0));
-        out[k] = m->u[c->a][k] - (from ? from[k] : 0);
+        out[k] = m->u[c->a][k] - from[k];
         normal += out[k] * n[k];
     }
     for (int k = 0; k < 3; k++)
@@ -30,12 +33,15 @@ static void add_contact(const struct dem_law *law, const struct dem_moment *m, c
     const struct contact_law *l = c->b < 0 ? &law->walls->wall[-1 - c->b].law : &law->pair;
     const double overlap = fmax(c->overlap, 0), gamma = contact_damper(l, overlap), kt = contact_spring(l, overlap);
     double slide[3], stretch[3];
-    const double speed = sliding(m, c, 0.5 * law->diameter, slide);
+    const double speed = sliding(law, m, c, slide);
     s->contacts++;
     s->normal_spring += contact_elastic(l, overlap);
     s->normal_loss += gamma * speed * speed;
     if (c->b < 0)
-        for (int k = 0; k < 3; k++) s->force[-1 - c->b][k] -= c->push[k] + c->drag[k];
+        for (int k = 0; k < 3; k++) {
+            s->force[-1 - c->b][k] -= c->push[k] + c->drag[k];
+            s->work += (c->push[k] + c->drag[k]) * law->walls->wall[-1 - c->b].velocity[k];
+        }
     if (!(l->friction > 0) || !(kt > 0)) return;
     for (int k = 0; k < 3; k++) stretch[k] = c->drag[k] + l->chi * gamma * slide[k];
     const double most = l->friction * sqrt(dot(c->push, c->push)), is = sqrt(dot(c->drag, c->drag));
@@ -64,14 +70,13 @@ void dem_sums(const struct dem_law *law, const struct dem_moment *m, struct dem_
     for (long i = 0; i < m->ncontacts; i++) add_contact(law, m, &m->contact[i], out);
 }
 
-void dem_impacts(const struct dem_law *law, const struct dem_moment *m, struct grain_impact *out) {
+void dem_stresses(const struct dem_moment *m, struct coarse_contact *out) {
     for (long i = 0; i < m->ncontacts; i++) {
         const struct dem_contact *c = &m->contact[i];
-        const double r = sqrt(dot(c->branch, c->branch)), length = c->b < 0 ? 0.5 * law->diameter : law->diameter;
-        out[i] = (struct grain_impact){.impulse = dot(c->push, c->branch) / length, .a = c->a, .b = c->b};
         for (int k = 0; k < 3; k++) {
-            out[i].x[0][k] = out[i].x[1][k] = m->x[c->a][k];
-            out[i].normal[k] = -c->branch[k] / r;
+            out[i].x[k] = m->x[c->a][k];
+            out[i].branch[k] = c->branch[k];
+            out[i].force[k] = c->push[k] + c->drag[k];
         }
     }
 }

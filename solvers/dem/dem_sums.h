@@ -6,6 +6,7 @@
 #ifndef SOLVERS_DEM_SUMS_H
 #define SOLVERS_DEM_SUMS_H
 
+#include "libcore/grains/coarse.h"
 #include "solvers/dem/dem_engine.h"
 
 struct dem_sums {
@@ -16,11 +17,12 @@ struct dem_sums {
     double normal_spring, tangent_spring;   /* J */
     double normal_loss, tangent_loss, drag; /* W: dampers; all that the tangential forces do, springs included */
     double momentum[3];                     /* kg m/s */
+    double work;                            /* W, of walls that move */
     double force[DEM_MOST_WALLS][3];        /* N, on the walls */
 };
 void dem_sums(const struct dem_law *law, const struct dem_moment *m, struct dem_sums *out);
 
-/* Turns contacts into impacts whose impulse is the normal force, for coarse graining. */
-void dem_impacts(const struct dem_law *law, const struct dem_moment *m, struct grain_impact *out);
+/* Lists the contacts for coarse graining. */
+void dem_stresses(const struct dem_moment *m, struct coarse_contact *out);
 
 #endif

@@ -10,7 +10,7 @@ static status open_table(struct dem_table *p, const struct dem_run *r) {
             "# Energies (J) of the time, relative to the box; what dampers and friction took since the run of the "
             "grains began,\n# by the powers at the samples; forces (N) on the walls at that time.\n"
             "# Time grains contacts T kinetic spin potential normalSpring tangentSpring lostNormal "
-            "lostTangential lostFriction");
+            "lostTangential lostFriction wallWork");
     for (int k = 0; k < w->dim; k++) fprintf(p->file, " momentum_%c", "xyz"[s->axis[k]]);
     for (int i = 0; i < w->n; i++)
         for (int k = 0; k < w->dim; k++)
@@ -32,7 +32,8 @@ status dem_table_row(struct dem_table *p, const struct dem_run *r) {
                           s->tangent_spring,
                           r->account.normal,
                           r->account.tangent,
-                          dem_run_friction(r)};
+                          dem_run_friction(r),
+                          r->account.work};
     for (int i = 0; i < (int)(sizeof row / sizeof *row); i++) fprintf(p->file, " %.17g", row[i]);
     for (int k = 0; k < w->dim; k++) fprintf(p->file, " %.17g", s->momentum[k]);
     for (int i = 0; i < w->n; i++)

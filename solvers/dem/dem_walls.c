@@ -11,7 +11,7 @@
 enum { MOST_PLANES = 200 };
 struct wall_plane {
     int patch;
-    double normal[3], offset, restitution, friction;
+    double normal[3], offset, restitution, friction, velocity[3];
 };
 struct work { /* lists of the faces of walls */
     int n, planes;
@@ -58,12 +58,28 @@ static struct wall_plane plane_of(const struct grains_models *m, const struct bo
                                .friction = m->friction[patch] < 0 ? rest : m->friction[patch]};
 }
 
+/* Takes the velocity of a wall that moves along itself. */
+static status take_velocity(const struct setup *s, const struct field *U, struct wall_plane *p) {
+    const struct patch_field *q = &U->patch[p->patch];
+    int moving = 0;
+    if (strcmp(q->type, "translatingWallVelocity") != 0) return OK;
+    for (int k = 0; k < 3; k++) {
+        p->velocity[k] = q->params.room[axis_of(s, k)];
+        moving += p->velocity[k] != 0;
+    }
+    if (!q->varying && moving <= 1) return OK;
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: walls of granularDEM move along one axis at a constant velocity: U (1 0 0);",
+                dict_path(U->dict), q->line, s->mesh->patch[p->patch].name);
+}
+
 static status find_plane(const struct setup *s, struct work *k, const struct wall_plane *made, int *out) {
     const double near = 1e-7 * k->size;
     for (*out = 0; *out < k->planes; ++*out) {
         const struct wall_plane *p = &k->plane[*out];
         if (dot(p->normal, made->normal) > 1 - 1e-9 && fabs(p->offset - made->offset) < near &&
-            p->restitution == made->restitution && p->friction == made->friction)
+            p->restitution == made->restitution && p->friction == made->friction &&
+            !memcmp(p->velocity, made->velocity, sizeof p->velocity))
             return OK;
     }
     if (k->planes == MOST_PLANES)
@@ -113,9 +129,11 @@ static status add_patches(const struct setup *s, const struct grains_models *m, 
         if (!patch->nfaces || !strcmp(patch->type, "empty")) continue;
         if (!strcmp(patch->type, "cyclic"))
             TRY(add_cyclic(s, p, w));
-        else if (boundary_is_wall(type))
-            TRY(add_patch(s, plane_of(m, type, p), k));
-        else if (!strcmp(q->type, "zeroGradient"))
+        else if (boundary_is_wall(type)) {
+            struct wall_plane plane = plane_of(m, type, p);
+            TRY(take_velocity(s, U, &plane));
+            TRY(add_patch(s, plane, k));
+        } else if (!strcmp(q->type, "zeroGradient"))
             w->open = true;
         else
             return fail(ERR_INPUT,
@@ -229,7 +247,11 @@ static status add_piece(const struct setup *s, const struct grains_models *m, co
     }
     out->law = contact_wall(&m->contact, m->grain.diameter, m->grain.mass, p->restitution, p->friction);
     find_side(w, k->size, out);
-    return OK;
+    memcpy(out->velocity, p->velocity, sizeof out->velocity);
+    if (out->axis >= 0 || dot(p->velocity, p->velocity) == 0) return OK;
+    return fail(ERR_INPUT,
+                "%s: patch %s: it moves and is no whole side of the box; granularDEM moves whole sides alone",
+                s->mesh_path, name);
 }
 
 static status add_pieces(const struct setup *s, const struct grains_models *m, const struct work *k, int plane,
@@ -258,7 +280,8 @@ static status check_joints(const struct setup *s, const struct grains_models *m,
             for (int k = 0; k < 3; k++) away = fmax(away, fabs(near[k] - at[k]));
             if (away > 1e-7 * size) continue;
             return fail(ERR_INPUT,
-                        "%s: walls: patches %s and %s meet in one plane and differ in restitution or friction, so that "
+                        "%s: walls: patches %s and %s meet in one plane and differ in restitution, friction or "
+                        "velocity, so that "
                         "grains would feel their joint twice: let them be alike",
                         m->properties ? dict_path(m->properties) : s->dir, s->mesh->patch[b->patch].name,
                         s->mesh->patch[a->patch].name);

@@ -14,6 +14,7 @@ struct dem_wall {
     double corner[3], edge[2][3]; /* the rectangle: corner + s edge[0] + t edge[1], 0 <= s, t <= 1 */
     double normal[3];             /* unit, out of the grains */
     int axis, side;               /* is it a whole side of the box: its axis, 0 low or 1 high; else axis is -1 */
+    double velocity[3];           /* m/s, along itself; of whole sides alone */
     struct contact_law law;       /* of a grain on it */
 };
 struct dem_walls {

@@ -82,6 +82,11 @@ void carried_print(FILE *f, const struct case_models *m) {
     }
 }
 
+/* Each quantity has a line; they share those of slopes and faces, and five if one of them diffuses or percolates. */
+double carried_memory(const struct gas_models *m, int dim) {
+    return m->ncarried ? m->ncarried + 1 + 5 * dim + 5 : 0;
+}
+
 void carried_keywords(struct keywords *k, const char *file) {
     keywords_at(k, file, CARRIED_DICT, NULL);
     keywords_params(k, kind_param, 1);

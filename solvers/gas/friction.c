@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files of what friction keeps (quantities.h). A file goes from cells to slices and back, one after the other, so that
- * no rank holds a whole field. */
+/* Files of what friction keeps (quantities.h; docs/physics.md 9.3). A file goes from cells to slices and back, one
+ * after the other, so that no rank holds a whole field. */
 #include "solvers/gas/quantities.h"
 #include "solvers/output/output.h"
 
@@ -179,14 +179,18 @@ static double size_of(const struct setup *s, bool disks, double *const *line, lo
     return sqrt(sum);
 }
 
-status friction_ratio(const struct setup *s, const struct gas *g, bool disks, double *out) {
-    double *line[ITEM] = {NULL}, *items;
+status friction_ratio(const struct setup *s, const struct gas *g, const struct gas_models *models, double *out) {
+    const double least = models->friction_params.alpha_friction;
+    double *line[ITEM] = {NULL}, *alpha = NULL;
     long n;
     (void)grid_cells(s->grid, &n);
-    TRY(make_lines(s, 1, n, line, &items));
+    TRY(make_lines(s, 1, n, line, &alpha));
     status e = find_mean(s, g, n, line);
     take_lines(s, g, 0, &out);
-    for (long c = 0; c < n && !e; c++) out[c] = out[c] > 0 ? size_of(s, disks, line, c) / out[c] : 0;
+    for (int b = 0, at = 0; b < s->grid->nblocks; at += s->grid->block[b++].ncells)
+        gas_block_field(g, b, GAS_ALPHA, (double *[]){alpha + at, NULL, NULL});
+    for (long c = 0; c < n && !e; c++)
+        out[c] = out[c] > 0 && alpha[c] > least ? size_of(s, models->material.disks, line, c) / out[c] : 0;
     free(line[0]);
     return e;
 }

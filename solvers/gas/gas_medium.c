@@ -55,7 +55,7 @@ static status gas_check_control(const struct medium *m, const struct control *c)
 static status gas_read(struct setup *s) {
     struct gas_state *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
-    g->base = (struct medium){.type = &gas_medium, .setup = s, .fields = gas_medium.fields};
+    g->base = (struct medium){.type = &gas_medium, .setup = s};
     s->medium = &g->base;
     TRY(models_read(s->dir, s->dim, s->axis, &g->models));
     const struct case_models *m = g->models;
@@ -254,41 +254,8 @@ static void gas_provenance(const struct medium *m, struct sink *o) {
                 polyhedral ? g->polynomial->model.name : g->reconstruct->model.name);
 }
 
-/* Returns the doubles of a bed (libcore/acoustics/bed_private.h) that holds so many cells and faces, with its room to
- * grow. */
-static double bed_memory(int dim, int components, double cells, double faces) {
-    const int nvar = components + 2;
-    return 1.5 * (cells * (13 + components + nvar * (3 + dim)) + faces * (17 + 2 * nvar));
-}
-
-/* Returns the bytes of the state and of the memory for a step, of all cells, if all are dense. */
-static double gas_memory(const struct medium *medium) {
-    const struct setup *s = medium->setup;
-    const struct forest *f = s->grid->forest;
-    const struct polyhedra *m = s->grid->polyhedra;
-    const struct gas_models *g = &of(medium)->models->gas;
-    const struct transport_terms terms = transport_terms(g->transport, &g->transport_params);
-    if (f) { /* five variables of states and scratch; with transport also struct diffuser */
-        const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
-        const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
-        const double bed =
-            gas_may_be_dense(g) ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim) : 0;
-        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed) * 8;
-    }
-    const int dim = m->dim, degree = g->polynomial->degree, u = s->components;
-    const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
-    double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
-           sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
-    const bool transport = g->transport != NULL;
-    const double diffuser = transport ? 8. * (u * (dim + 3) + 5) + (dim + 1.) * (8 * dim + 4) : 0;
-    double cell =
-        diffuser + (2 + u) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
-    const double bed = gas_may_be_dense(g)
-                           ? s->mesh->ncells * 3. + faces * (2 * dim + 2) + bed_memory(dim, u, s->mesh->ncells, faces)
-                           : 0;
-    return 8 * bed + s->mesh->ncells * cell +
-           faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
-                    sides * 8 * (1 + 2 * dim + 2 * coefficients));
+static double gas_memory(const struct medium *m) {
+    return models_memory(m->setup, &of(m)->models->gas);
 }
 
 /* Would grains under gravity hold each other by a friction that the case does not have? */
@@ -487,7 +454,7 @@ static status gas_log(struct medium *m, FILE *f, struct log_row *row) {
         g->slow = -1;
         TRY(warn(&m->setup->warnings, WARN_FRICTION,
                  "%s:1: dense gas has been slow for %d steps (inertial number below %g, now %.2g): real grains "
-                 "hold each other by friction there, and without it a heap goes flat; say  friction { type muI; }",
+                 "would hold each other by friction there; without  friction { type muI; }  a heap goes flat",
                  dict_path(g->models->properties), SLOW_STEPS, SLOWEST, gas_inertia(g->gas)));
     }
     return OK;

@@ -3,6 +3,7 @@
  * and the parameters that belong to no row of them. */
 #include "solvers/gas/models.h"
 
+#include "solvers/case/case.h"
 #include "solvers/case/fields.h"
 #include "solvers/dict/family.h"
 #include "solvers/dict/params.h"
@@ -547,4 +548,40 @@ void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
     params_print_values(f, limits_param, COUNT(limits_param) - (m->gas.alpha_floor > 0 ? 0 : 1), m);
     carried_print(f, m);
     forces_print(f, &m->forces);
+}
+
+/* ---- memory ---- */
+
+/* Returns the doubles of a bed (libcore/acoustics/bed_private.h) that holds so many cells and faces, with its room to
+ * grow. */
+static double bed_memory(int dim, int components, double cells, double faces) {
+    const int nvar = components + 2;
+    return 1.5 * (cells * (13 + components + nvar * (3 + dim)) + faces * (17 + 2 * nvar));
+}
+
+double models_memory(const struct setup *s, const struct gas_models *g) {
+    const struct forest *f = s->grid->forest;
+    const struct polyhedra *m = s->grid->polyhedra;
+    const struct transport_terms terms = transport_terms(g->transport, &g->transport_params);
+    if (f) { /* five variables of states and scratch; with transport also struct diffuser */
+        const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
+        const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
+        const double bed =
+            gas_may_be_dense(g) ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim) : 0;
+        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed + carried_memory(g, f->dim)) * 8;
+    }
+    const int dim = m->dim, degree = g->polynomial->degree, u = s->components;
+    const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
+    double members = m->nnear ? m->stencil_start[m->nnear] * 1. / m->nnear : 0, faces = s->mesh->nfaces,
+           sides = m->face.n ? m->point.n * 1. / m->face.n : 1;
+    const bool transport = g->transport != NULL;
+    const double diffuser = transport ? 8. * (u * (dim + 3) + 5) + (dim + 1.) * (8 * dim + 4) : 0;
+    double cell =
+        diffuser + (2 + u) * 8. * (5 + coefficients) + members * (8 * (coefficients + dim) + 8) + 8 * (1 + dim) + 48;
+    const double bed = gas_may_be_dense(g)
+                           ? s->mesh->ncells * 3. + faces * (2 * dim + 2) + bed_memory(dim, u, s->mesh->ncells, faces)
+                           : 0;
+    return 8 * bed + s->mesh->ncells * (cell + 8 * carried_memory(g, dim)) +
+           faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
+                    sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }

@@ -52,6 +52,7 @@ status carried_read(struct dict *properties, struct case_models *m);
 status carried_check(const struct case_models *m);
 void carried_list(FILE *f);
 void carried_print(FILE *f, const struct case_models *m);
+double carried_memory(const struct gas_models *m, int dim); /* doubles of a cell; on polyhedra, of its faces, too */
 void carried_keywords(struct keywords *k, const char *file);
 
 /* Reads constant/g and constant/shaking into *out, which is zeroed before; also after an error its dictionaries must be
@@ -73,5 +74,9 @@ void boundaries_list(FILE *f); /* prints every boundary condition */
 /* Prints the choices value by value; polyhedral: with the polynomials of that engine, not the lattice's
  * reconstruction. */
 void models_print(FILE *f, const struct case_models *m, bool polyhedral);
+
+/* Returns the bytes of the state and of the memory for a step, of all cells of s->grid, if all are dense. */
+struct setup;
+double models_memory(const struct setup *s, const struct gas_models *g);
 
 #endif

@@ -72,7 +72,7 @@ static int lines_of(const struct gas_view *v, int quantity) {
 
 static status find_ratio(struct gas_view *v) {
     double *out = v->line[GAS_STRESS_RATIO - GAS_FIELDS][0];
-    return comm_agree(v->setup->comm, friction_ratio(v->setup, v->gas, v->models->material.disks, out));
+    return comm_agree(v->setup->comm, friction_ratio(v->setup, v->gas, v->models, out));
 }
 
 static status make_lines(struct gas_view *v, int quantity) {

@@ -8,7 +8,7 @@
  * Enskog's mean free path lambda (scales.h, docs/physics.md 4.7): hydrodynamics asks for Kn << 1 (Boyd, Chen & Candler,
  * Phys. Fluids 7, 210, 1995, who take it from the gradient of the density; Goldhirsch, Annu. Rev. Fluid Mech. 35, 267,
  * 2003, for grains, where restitution sets that scale)
- *   stressRatio = |tau|/p of friction (docs/physics.md 9.3)
+ *   stressRatio = |tau|/p, the stress of friction over the pressure (docs/physics.md 9.3)
  *
  * Derivatives are those of grid_gradients; along axes that the mesh lacks they are 0. */
 #ifndef SOLVERS_GAS_QUANTITIES_H
@@ -74,7 +74,8 @@ bool gas_rules_give(const struct patch_rules *r, const struct gas_models *models
  * pressure of each cell in the last step of the bed, and for each side of a cell a file of the stress, a symmetric
  * tensor. Sides of a lattice have the names frictionStressXLow, XHigh, YLow ..; those of polyhedra have numbers, in the
  * order of the polyMesh's faces. A restart goes on with them to the bit. For users there is frictionStress, the mean of
- * a cell's sides that carry stress, and the quantity stressRatio, |tau|/p of that mean, |tau| = sqrt(tau:tau/2). */
+ * a cell's sides that carry stress, and the quantity stressRatio, |tau|/p of that mean, |tau| = sqrt(tau:tau/2), 0
+ * below alphaFriction. */
 enum { FRICTION_NAME = 40 };
 struct friction_files {
     int n;                       /* 1 + sides of a cell; 0: there is no friction */
@@ -88,7 +89,7 @@ status friction_resume(struct friction_files *f, const struct setup *s, struct g
 status friction_save(const struct friction_files *f, const struct setup *s, const struct gas *g,
                      const struct field_writer *w, struct checksums *sums);
 /* Computes stressRatio in the cells of this rank, one block after the other. Local. */
-status friction_ratio(const struct setup *s, const struct gas *g, bool disks, double *out);
+status friction_ratio(const struct setup *s, const struct gas *g, const struct gas_models *models, double *out);
 void friction_files_free(struct friction_files *f);
 
 #endif

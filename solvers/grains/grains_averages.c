@@ -101,9 +101,8 @@ void averages_value(struct averages *a, const struct grains *g, enum coarse_fiel
 }
 
 static void sample_soft(struct averages *a, int which, const struct averages_moment *now) {
-    struct grain_observer *o = coarse_observer(a->sum[which]);
-    coarse_sample(a->sum[which], now->n, now->x, now->u);
-    for (long i = 0; i < now->ncontacts; i++) o->impact(o, &now->contact[i]);
+    coarse_rough(a->sum[which], now->n, now->x, now->u, now->spin);
+    coarse_contacts(a->sum[which], now->ncontacts, now->contact);
 }
 
 void averages_take_soft(struct averages *a, const struct averages_moment *now) {

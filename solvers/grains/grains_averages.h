@@ -28,12 +28,12 @@ void averages_take(struct averages *a, const struct grains *g); /* samples the g
 /* Computes a field: out[k][cells], component k of a vector (else k = 0). */
 void averages_value(struct averages *a, const struct grains *g, enum coarse_field f, double *const out[3]);
 
-struct averages_moment { /* soft grains at the time t; their contacts as impacts whose impulse is the force (N) */
+struct averages_moment { /* soft grains at the time t, with their contacts */
     double t;
     int n;
-    const double (*x)[3], (*u)[3];
+    const double (*x)[3], (*u)[3], (*spin)[3];
     long ncontacts;
-    const struct grain_impact *contact;
+    const struct coarse_contact *contact;
 };
 /* The same of soft grains, whose stress is a mean over the samples. */
 void averages_take_soft(struct averages *a, const struct averages_moment *now);

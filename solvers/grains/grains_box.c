@@ -15,20 +15,24 @@ status grains_box_check(const struct setup *s) {
                     "%s: one axis is solved; grains are disks on two solved axes or spheres on three: let fewer "
                     "patches be of type empty",
                     s->mesh_path);
-    if (!s->lattice)
-        return fail(ERR_INPUT, "%s: grains move in a box, a lattice of equal boxes: %s", s->mesh_path, s->why);
-    const struct lattice *l = s->lattice;
-    const long cells = (long)l->n[0] * l->n[1] * l->n[2];
-    for (long i = 0; i < cells; i++)
-        if (l->cell[i] < 0)
-            return fail(ERR_INPUT,
-                        "%s: the mesh has a hole or a step (it has %d of the %ld cells of its box); grains move in "
-                        "full boxes",
-                        s->mesh_path, s->mesh->ncells, cells);
     return OK;
 }
 
-static status check_wall(const struct setup *s, const struct grains_models *m, const struct field *U, int p, int axis) {
+bool grains_box_open(const struct setup *s, const struct field *U, bool *open) {
+    bool any = false;
+    for (int p = 0; p < s->mesh->npatches; p++) {
+        open[p] = boundary_find(U->patch[p].type) == boundary_find("zeroGradient");
+        any = any || open[p];
+    }
+    return any;
+}
+
+bool grains_box_is_full(const struct setup *s) {
+    const struct lattice *l = s->lattice;
+    return l && (long)l->n[0] * l->n[1] * l->n[2] == s->mesh->ncells;
+}
+
+static status check_wall(const struct setup *s, const struct grains_models *m, const struct field *U, int p) {
     const struct patch_field *q = &U->patch[p];
     const char *patch = s->mesh->patch[p].name, *file = dict_path(U->dict);
     const struct boundary_type *type = boundary_find(q->type);
@@ -36,10 +40,11 @@ static status check_wall(const struct setup *s, const struct grains_models *m, c
     if (boundary_is_wall(type))
         return fail(ERR_INPUT, "%s:%d: patch %s: type is %s; walls of grains are smooth: use  slip;", file, q->line,
                     patch, q->type);
-    return fail(ERR_INPUT,
-                "%s:%d: patch %s: type is %s, which lets grains in or out; allowed are slip, symmetry, symmetryPlane "
-                "(walls) and cyclic (with patches of type cyclic): close the box along %c with  type slip;",
-                file, q->line, patch, q->type, "xyz"[axis]);
+    return fail(
+        ERR_INPUT,
+        "%s:%d: patch %s: type is %s, by which grains would come in; allowed are slip, symmetry, symmetryPlane "
+        "(walls), zeroGradient (grains leave) and cyclic (with patches of type cyclic): close it with  type slip;",
+        file, q->line, patch, q->type);
 }
 
 static int patch_of(const struct polymesh *m, int face) {
@@ -53,11 +58,11 @@ struct box_side { /* a side of the box: a patch that covers it, and its restitut
     double restitution;
 };
 
-static status add_face(const struct setup *s, const struct grains_models *m, const struct field *U, int face, int axis,
+static status add_face(const struct setup *s, const struct grains_models *m, const struct field *U, int face,
                        struct box_side *side) {
     const int p = patch_of(s->mesh, face);
     if (p == side->first) return OK;
-    TRY(check_wall(s, m, U, p, axis));
+    TRY(check_wall(s, m, U, p));
     if (side->first < 0) {
         *side = (struct box_side){p, m->restitution[p]};
         return OK;
@@ -80,9 +85,19 @@ static status make_side(const struct setup *s, const struct grains_models *m, co
     for (int i = 0; i < k; i++) stride *= l->n[i];
     for (long i = 0; i < cells; i++) {
         if (i / stride % l->n[k] != (high ? l->n[k] - 1 : 0)) continue;
-        TRY(add_face(s, m, U, l->face[6L * l->cell[i] + 2 * k + high], s->axis[k], &side));
+        TRY(add_face(s, m, U, l->face[6L * l->cell[i] + 2 * k + high], &side));
     }
     *restitution = side.restitution;
+    return OK;
+}
+
+/* A sheared box is full, and cyclic along all axes. */
+static status check_shear(const struct setup *s, const struct grains_models *m, const struct grain_box *b) {
+    for (int k = 0; k < b->dim && m->shear != 0; k++)
+        if (!b->periodic[k] || !grains_box_is_full(s))
+            return dict_fail(m->properties, "shearRate",
+                             "the mesh must be a box of equal cells, cyclic along all axes; along %c it is not",
+                             "xyz"[s->axis[k]]);
     return OK;
 }
 
@@ -102,11 +117,25 @@ static status check_forces(const struct setup *s, const struct grains_models *m,
     return OK;
 }
 
-status grains_box_make(const struct setup *s, const struct grains_models *m, const struct field *U,
+/* The space that facets bound, with the box around it. */
+static status make_space(const struct setup *s, const struct grains_models *m, const struct field *U,
+                         const struct grains_mesh *mesh, struct grain_box *out) {
+    for (int p = 0; p < s->mesh->npatches; p++)
+        if (strcmp(s->mesh->patch[p].type, "empty") != 0 && strcmp(s->mesh->patch[p].type, "cyclic") != 0)
+            if (!m->open[p]) TRY(check_wall(s, m, U, p));
+    for (int k = 0; k < s->dim; k++) {
+        out->low[k] = mesh->low[k];
+        out->high[k] = mesh->high[k];
+        out->periodic[k] = mesh->periodic[k];
+    }
+    out->facets = mesh->facets;
+    out->wall_restitution = m->restitution;
+    return OK;
+}
+
+static status make_box(const struct setup *s, const struct grains_models *m, const struct field *U,
                        struct grain_box *out) {
     const struct lattice *l = s->lattice;
-    const struct sources *g = &m->forces.source;
-    *out = (struct grain_box){.dim = l->dim};
     for (int k = 0; k < l->dim; k++) {
         out->low[k] = l->origin[k];
         out->high[k] = l->origin[k] + l->n[k] * l->width[k];
@@ -114,25 +143,38 @@ status grains_box_make(const struct setup *s, const struct grains_models *m, con
         for (int side = 0; side < 2 && !l->periodic[k]; side++)
             TRY(make_side(s, m, U, k, side, &out->restitution[k][side]));
     }
+    return OK;
+}
+
+status grains_box_make(const struct setup *s, const struct grains_models *m, const struct field *U,
+                       const struct grains_mesh *mesh, struct grain_box *out) {
+    const struct sources *g = &m->forces.source;
+    *out = (struct grain_box){.dim = s->dim};
+    TRY(mesh ? make_space(s, m, U, mesh, out) : make_box(s, m, U, out));
+    TRY(check_shear(s, m, out));
+    out->shear = m->shear;
     if (g->amplitude != 0) {
         out->omega = TWO_PI * g->frequency;
         out->phase = g->phase;
-        for (int k = 0; k < l->dim; k++) out->shake[k] = g->gravity[k] * g->amplitude / (out->omega * out->omega);
+        for (int k = 0; k < s->dim; k++) out->shake[k] = g->gravity[k] * g->amplitude / (out->omega * out->omega);
     }
     return check_forces(s, m, out);
 }
 
-long grains_box_cell(const struct lattice *l, const double x[3]) {
+long grains_box_cell(const struct setup *s, const struct grains_mesh *mesh, const double x[3]) {
+    const struct lattice *l = s->lattice;
     long index = 0;
+    bool inside;
+    if (mesh) return mesh->base.locate(&mesh->base, x, &inside);
     for (int k = l->dim; k--;) {
         double i = floor((x[k] - l->origin[k]) / l->width[k]);
         i = i < 0 ? 0 : i > l->n[k] - 1 ? l->n[k] - 1 : i;
         index = index * l->n[k] + (long)i;
     }
-    return index;
+    return l->cell[index];
 }
 
 void grains_box_place(const struct setup *s, const double x[3], double out[3]) {
     for (int a = 0; a < 3; a++) out[a] = s->centre[a];
-    for (int k = 0; k < s->lattice->dim; k++) out[s->axis[k]] = x[k];
+    for (int k = 0; k < s->dim; k++) out[s->axis[k]] = x[k];
 }

@@ -6,6 +6,7 @@
 #include "solvers/gas/scales.h"
 #include "solvers/grains/grains_averages.h"
 #include "solvers/grains/grains_box.h"
+#include "solvers/grains/grains_forces.h"
 #include "solvers/grains/grains_start.h"
 #include "solvers/grains/grains_state.h"
 #include "solvers/grains/grains_table.h"
@@ -25,10 +26,12 @@ struct grains_run {
     struct grains_models *models;
     struct grains_start start;
     struct grains_state saved; /* n = 0: the start has none; freed once the grains hold it */
+    struct grains_mesh *mesh;  /* NULL: equal cells fill a box */
     struct grain_box box;
     struct grain_law law;
     struct grains *grains;
     struct averages *averages;
+    struct grains_forces *forces;                           /* NULL: no one asks for them */
     struct grain_start placed;                              /* how the grains were placed; its lists are freed */
     bool kept;                                              /* do the averages go on from the saved state? */
     bool changed;                                           /* have box or law changed since the saved state? */
@@ -46,14 +49,7 @@ static struct grains_run *of(const struct medium *m) {
 }
 
 enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, QUANTITIES };
-const struct quantity grains_quantity[] = {
-    [RHO] = {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false},
-    [ALPHA] = {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},
-    [VELOCITY] = {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false},
-    [TEMPERATURE] = {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},
-    [PRESSURE] = {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false},
-    [COMPONENTS] = {"TComponents", 3, {0, 2, -2, 0, 0, 0, 0}, false},
-};
+const struct quantity grains_quantity[] = {GRAINS_QUANTITY_ROWS};
 const enum coarse_field grains_coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES};
 static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P, FIELD_T};
 const int grains_written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, -1};
@@ -71,7 +67,7 @@ static status medium_check_control(const struct medium *m, const struct control 
 static status medium_read(struct setup *s) {
     struct grains_run *x;
     TRY(allocate(&x, 1, sizeof *x, "the grains"));
-    x->base = (struct medium){.type = &grains_medium, .setup = s, .fields = grains_medium.fields};
+    x->base = (struct medium){.type = &grains_medium, .setup = s};
     s->medium = &x->base;
     if (comm_size(s->comm) > 1)
         return fail(ERR_INPUT,
@@ -135,14 +131,17 @@ static status medium_state(struct setup *s) {
     snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.folder);
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, x->models, saved, &x->start));
+    const bool open = grains_box_open(s, x->start.field[FIELD_U], x->models->open);
+    if (open || !grains_box_is_full(s)) TRY(grains_mesh_make(s, x->models->grain.diameter, x->models->open, &x->mesh));
+    TRY(grains_start_take(s, x->models, x->mesh, saved, &x->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
-    TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], &x->box));
+    TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], x->mesh, &x->box));
     TRY(grains_start_check(s, x->models, &x->start));
     TRY(check_scales(s, x));
     if (saved) TRY(grains_state_read(path, &x->saved));
     x->law = law_of(x->models);
-    return setup_grid(s, false, 1);
+    return setup_grid(s, x->mesh != NULL, 1);
 }
 
 struct coarse_grid grains_grid(const struct setup *s, const struct grains_models *m) {
@@ -158,17 +157,87 @@ struct coarse_grid grains_grid(const struct setup *s, const struct grains_models
     return g;
 }
 
+/* The cells of the mesh stand in place of those of one box around it. */
+static struct coarse_grid grid_of(const struct grains_run *x) {
+    if (!x->mesh) return grains_grid(x->base.setup, x->models);
+    struct coarse_grid g = {.dim = x->box.dim,
+                            .kernel = x->models->kernel,
+                            .width = x->models->width,
+                            .mass = x->law.mass,
+                            .diameter = x->law.diameter,
+                            .mesh = &x->mesh->base};
+    for (int k = 0; k < 3; k++) {
+        g.n[k] = 1;
+        g.low[k] = k < g.dim ? x->box.low[k] : 0;
+        g.h[k] = k < g.dim ? x->box.high[k] - x->box.low[k] : 1;
+        g.periodic[k] = k < g.dim && x->box.periodic[k];
+    }
+    return g;
+}
+
+/* Returns the energy (J) of the grains that have left. */
+static double gone_energy(const struct grains_run *x) {
+    const int walls = x->box.facets && x->box.facets->opens ? x->box.facets->space.walls : 0;
+    double sum = 0;
+    for (int w = 0; w < walls; w++)
+        for (int k = 1; k < 3; k++) sum += grains_impulses(x->grains)[walls + w][k];
+    return sum;
+}
+
 static double energy_now(const struct grains_run *x) {
     double kinetic, potential, momentum[3];
     grains_energy(x->grains, &kinetic, &potential, momentum);
-    return kinetic + potential + grains_counted(x->grains)->lost;
+    return kinetic + potential + grains_counted(x->grains)->lost - grains_work(x->grains) + gone_energy(x);
+}
+
+/* Fails if a saved state belongs to other walls, or to another shear rate; else gives it those of the case. */
+static status fit_saved(struct grains_run *x) {
+    struct grains_state *s = &x->saved;
+    const struct setup *of = x->base.setup;
+    double walls[3];
+    grains_state_walls(&x->box, walls);
+    if ((walls[2] == -1 || s->walls[2] == -1) && walls[1] != s->walls[1])
+        return fail(
+            ERR_INPUT,
+            "%s/%s/uniform/grains: the shearRate was %g and is %g now: the images would jump; a run goes on with "
+            "the same",
+            of->dir, of->start.name, s->walls[2] == -1 ? s->walls[1] : 0, x->box.shear);
+    if (walls[0] != s->walls[0] || walls[1] != s->walls[1])
+        return fail(ERR_INPUT,
+                    "%s/%s/uniform/grains: the walls of the mesh have changed since; remove it to start from "
+                    "lagrangian/grains or the fields",
+                    of->dir, of->start.name);
+    s->box.facets = x->box.facets;
+    s->box.shear = x->box.shear;
+    s->box.wall_restitution = x->box.wall_restitution;
+    return OK;
+}
+
+/* Makes the grains anew, with the places and velocities that `old` has at its time; those that have left stay away. */
+static status make_anew(struct grains_run *x, const struct grains *old) {
+    const int all = grains_number(old);
+    const double t = grains_time(old);
+    double(*at)[3] = NULL, (*u)[3] = NULL;
+    int n = 0;
+    status e = allocate(&at, all, sizeof *at, "places of grains");
+    if (!e) e = allocate(&u, all, sizeof *u, "velocities of grains");
+    if (!e) grains_at(old, t, at, u);
+    for (int i = 0; i < all && !e; i++) {
+        if (isnan(at[i][0])) continue;
+        memmove(at[n], at[i], sizeof *at);
+        memmove(u[n++], u[i], sizeof *u);
+    }
+    if (!e) e = grains_make(&x->box, &x->law, n, (const double(*)[3])at, (const double(*)[3])u, t, &x->grains);
+    free(at);
+    free(u);
+    return e;
 }
 
 static status resume(struct grains_run *x) {
     const struct grains_state *s = &x->saved;
     struct grains *old = NULL;
-    double(*at)[3] = NULL, (*u)[3] = NULL;
-    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, NULL};
+    TRY(fit_saved(x));
+    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, (const double(*)[3])s->impulse};
     TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
                     x->base.setup->start.name));
     x->changed = !grains_state_same(s, &x->box, &x->law);
@@ -177,13 +246,8 @@ static status resume(struct grains_run *x) {
         x->grains = old;
         return OK;
     }
-    status e = allocate(&at, s->n, sizeof *at, "places of grains");
-    if (!e) e = allocate(&u, s->n, sizeof *u, "velocities of grains");
-    if (!e) grains_at(old, s->t, at, u);
-    if (!e) e = grains_make(&x->box, &x->law, s->n, (const double(*)[3])at, (const double(*)[3])u, s->t, &x->grains);
+    const status e = make_anew(x, old);
     grains_free(old);
-    free(at);
-    free(u);
     TRY(e);
     x->energy = energy_now(x);
     return OK;
@@ -193,6 +257,9 @@ static status place(struct grains_run *x) {
     const struct setup *s = x->base.setup;
     struct grain_start *p = &x->placed;
     status e = grain_start_make(s, x->models, &x->box, &x->start, p);
+    if (!e && !p->from_cloud && x->box.shear != 0 && s->start.t != 0)
+        e = dict_fail(x->models->properties, "shearRate",
+                      "grains of a sheared box are put in place at time 0, not at %s", s->start.name);
     if (!e) {
         e = grains_make(&x->box, &x->law, p->n, (const double(*)[3])p->x, (const double(*)[3])p->u, s->start.t,
                         &x->grains);
@@ -212,7 +279,7 @@ static status place(struct grains_run *x) {
 static status make_averages(struct grains_run *x) {
     const struct grains_models *m = x->models;
     const struct grains_state *s = &x->saved;
-    const struct coarse_grid grid = grains_grid(x->base.setup, x->models);
+    const struct coarse_grid grid = grid_of(x);
     double numbers[16];
     long n;
     TRY(status_note(
@@ -235,7 +302,7 @@ static status make_values(struct grains_run *x) {
     const struct setup *s = x->base.setup;
     const long cells = s->mesh->ncells;
     TRY(pool_take(&x->pool, &x->place, cells, sizeof *x->place, "cells"));
-    for (int i = 0; i < cells; i++) x->place[s->lattice->cell[i]] = i;
+    for (int i = 0; i < cells; i++) x->place[x->mesh ? i : s->lattice->cell[i]] = i;
     for (int f = 0; f < QUANTITIES; f++) {
         x->valued[f] = NAN;
         for (int k = 0; k < grains_components(s, f); k++)
@@ -254,6 +321,15 @@ static status medium_start(struct medium *m) {
     grains_start_drop(&x->start);
     x->table.start = grains_totals(x->grains, &x->box, x->law.mass);
     x->last = x->table.start.counts;
+    if (x->table.start.impulse) { /* the start's own: the grains' go on */
+        double rows[3];
+        grains_state_walls(&x->box, rows);
+        const long walls = (long)rows[0];
+        double(*impulse)[3];
+        TRY(pool_take(&x->pool, &impulse, walls, sizeof *impulse, "walls"));
+        memcpy(impulse, x->table.start.impulse, (size_t)walls * sizeof *impulse);
+        x->table.start.impulse = (const double(*)[3])impulse;
+    }
     return OK;
 }
 
@@ -262,11 +338,22 @@ static void medium_free(struct medium *m) {
     grains_table_close(&x->table);
     grains_free(x->grains);
     averages_free(x->averages);
+    grains_forces_free(x->forces);
     grains_state_free(&x->saved);
     grains_start_free(&x->start);
     grains_models_free(x->models);
+    grains_mesh_free(x->mesh);
     pool_free(&x->pool);
     free(x);
+}
+
+static void describe_facets(FILE *f, const struct grains_run *x) {
+    const struct polymesh *m = x->base.setup->mesh;
+    fprintf(f, "    %-22s %d facets\n", "walls", x->box.facets->own);
+    for (int p = 0; p < m->npatches; p++)
+        if (strcmp(m->patch[p].type, "empty") != 0 && strcmp(m->patch[p].type, "cyclic") != 0)
+            x->models->open[p] ? fprintf(f, "    %-22s grains leave\n", m->patch[p].name)
+                               : fprintf(f, "    %-22s restitution %g\n", m->patch[p].name, x->models->restitution[p]);
 }
 
 static void describe_walls(FILE *f, const struct grains_run *x) {
@@ -275,23 +362,22 @@ static void describe_walls(FILE *f, const struct grains_run *x) {
         const char axis = "xyz"[x->base.setup->axis[k]];
         if (b->periodic[k])
             fprintf(f, "    %c %-20s periodic\n", axis, "");
-        else
+        else if (!b->facets)
             fprintf(f, "    %c %-20s walls, restitution %g and %g\n", axis, "", b->restitution[k][0],
                     b->restitution[k][1]);
     }
+    if (b->facets) describe_facets(f, x);
 }
 
 static void medium_describe(const struct medium *m, FILE *f) {
     const struct grains_run *x = of(m);
     const struct grain_start *p = &x->placed;
     const double d = x->law.diameter;
-    double volume = 1;
-    for (int k = 0; k < x->box.dim; k++) volume *= x->box.high[k] - x->box.low[k];
     const int n = grains_number(x->grains);
     grains_models_print(f, x->models);
     describe_walls(f, x);
     fprintf(f, "Grains\n    %d %s, packing fraction %.6g\n", n, x->box.dim == 2 ? "disks" : "spheres",
-            n * (x->box.dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / volume);
+            n * (x->box.dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / grains_volume(&x->box));
     if (!p->n)
         fprintf(f, "    as time %s has them%s\n", m->setup->start.name,
                 x->changed ? "; box, gravity or grains have changed, so counts and averages begin anew"
@@ -332,7 +418,9 @@ static bool advance_piece(struct grains_run *x, double until, int64_t *left, dou
     const double due = averages_next(x->averages), slack = 1e-12 * fabs(until);
     const double target = due < until - slack ? due : until;
     const int64_t before = grains_counted(x->grains)->events;
-    *reached = grains_advance(x->grains, target, *left, averages_observer(x->averages));
+    struct grain_observer *observer = averages_observer(x->averages);
+    if (x->forces) observer = grains_forces_observer(x->forces, observer);
+    *reached = grains_advance(x->grains, target, *left, observer);
     *left -= grains_counted(x->grains)->events - before;
     if (*reached < target) return false;
     if (due <= target + slack) averages_take(x->averages, x->grains);
@@ -348,8 +436,10 @@ static status medium_step(struct medium *m, const struct control *c, double t, d
     double reached = t;
     bool there = false;
     (void)c;
+    if (x->forces) grains_forces_begin(x->forces);
     while (!there && left > 0) there = advance_piece(x, until, &left, &reached);
     x->spent += clock_now() - clock;
+    if (x->forces) grains_forces_end(x->forces, reached - t);
     if (there && until == m->end) return OK;
     *dt = reached - t;
     if (t + *dt > t) return OK;
@@ -403,7 +493,7 @@ static status check_collapse(struct grains_run *x, const struct grain_counts *no
 
 /* Returns kinetic, potential and lost energy less what they were when counting began, relative to the latter. */
 static double imbalance(const struct grains_run *x, const struct grains_totals *p) {
-    const double all = p->kinetic + p->potential + p->counts.lost;
+    const double all = p->kinetic + p->potential + p->counts.lost - grains_work(x->grains) + gone_energy(x);
     return (all - x->energy) / fmax(fabs(x->energy), p->kinetic + p->counts.lost);
 }
 
@@ -430,6 +520,8 @@ static status medium_log(struct medium *m, FILE *f, struct log_row *row) {
     const struct grain_counts *n = &p.counts;
     fill_row(x, &p, row);
     if (!f) return OK;
+    if (x->box.facets && x->box.facets->opens)
+        fprintf(f, "    %d of %d grains are there\n", grains_present(x->grains), grains_number(x->grains));
     fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", p.T, (long long)n->pairs,
             2 * (double)n->pairs / grains_number(x->grains), (long long)n->walls);
     print_rates(f, x, n);
@@ -479,6 +571,21 @@ static const struct patch_field *medium_patch(const struct medium *m, int quanti
     return grains_patch(&of(m)->start, quantity, patch);
 }
 
+/* Leaves out the grains that have left; then the others have numbers. */
+static status keep_present(const struct grains_run *x, struct cloud *c) {
+    int n = 0;
+    if (!x->box.facets || !x->box.facets->opens) return OK;
+    TRY(allocate(&c->id, c->n, sizeof *c->id, "grains"));
+    for (int i = 0; i < c->n; i++) {
+        if (isnan(c->x[i][0])) continue;
+        memcpy(c->x[n], c->x[i], sizeof c->x[n]);
+        memcpy(c->u[n], c->u[i], sizeof c->u[n]);
+        c->id[n++] = i;
+    }
+    c->n = n;
+    return OK;
+}
+
 static status medium_cloud(const struct medium *m, struct cloud *out) {
     const struct grains_run *x = of(m);
     const struct setup *s = m->setup;
@@ -487,9 +594,10 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     TRY(cloud_make(grains_number(x->grains), out));
     out->diameter = x->law.diameter;
     grains_at(x->grains, grains_time(x->grains), out->x, out->u);
+    TRY(keep_present(x, out));
     for (int i = 0; i < out->n; i++) {
         double at[3], u[3] = {0, 0, 0};
-        out->cell[i] = s->lattice->cell[grains_box_cell(s->lattice, out->x[i])];
+        out->cell[i] = (int)grains_box_cell(s, x->mesh, out->x[i]);
         grains_box_place(s, out->x[i], at);
         for (int k = 0; k < s->dim; k++) u[s->axis[k]] = out->u[i][k];
         memcpy(out->x[i], at, sizeof at);
@@ -502,7 +610,7 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
 static status medium_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
     const struct grains_run *x = of(m);
     const struct grains *g = x->grains;
-    const struct coarse_grid grid = grains_grid(x->base.setup, x->models);
+    const struct coarse_grid grid = grid_of(x);
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct grains_state s = {.box = x->box,
                              .law = x->law,
@@ -513,8 +621,10 @@ static status medium_save(const struct medium *m, const char *folder, const char
                              .grain = (struct grain *)(uintptr_t)grains_all(g),
                              .event = (struct grain_event *)(uintptr_t)grains_events(g),
                              .id = (int32_t *)(uintptr_t)grains_ids(g),
-                             .mark = *averages_mark(x->averages)};
+                             .mark = *averages_mark(x->averages),
+                             .impulse = (double(*)[3])(uintptr_t)grains_impulses(g)};
     struct file_sum sum;
+    grains_state_walls(&x->box, s.walls);
     for (int k = 0; k < 2; k++) s.sums[k] = averages_sums(x->averages, k, &s.nsums);
     grains_state_grid(&grid, s.grid);
     snprintf(path, sizeof path, "%s/uniform/grains", folder);
@@ -523,11 +633,24 @@ static status medium_save(const struct medium *m, const char *folder, const char
     return checksums_add(sums, "uniform/grains", sum);
 }
 
+static status medium_follow(struct medium *m, double *dt) {
+    struct grains_run *x = of(m);
+    if (!x->forces) TRY(grains_forces_make(m->setup, x->mesh, &x->box, x->law.mass, &x->forces));
+    *dt = grains_forces_step(x->forces);
+    return OK;
+}
+
+/* The first block has the faces of all: there is one rank. */
+static void medium_crossings(const struct medium *m, int block, crossing_visitor *visit, void *context) {
+    if (block == 0) grains_forces_visit(of(m)->forces, visit, context);
+}
+
 static const char help[] =
     "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-version] "
     "[-help]\n\n"
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
-    "inelastic impacts, gravity, flat walls, shaking. The case is one of granularGas, with  application granularMD;  "
+    "inelastic impacts, gravity, walls of any shape, shaking. The case is one of granularGas, with  application "
+    "granularMD;  "
     "in\n"
     "system/controlDict: grains are put where alpha says and move as U and T say; fields rho alpha U T p TComponents\n"
     "(T along each axis) are written as means over grains and impacts, the grains themselves as lagrangian/grains.\n"
@@ -565,6 +688,8 @@ const struct medium_type grains_medium = {
     .finish = medium_finish,
     .block = medium_block,
     .patch = medium_patch,
+    .follow = medium_follow,
+    .crossings = medium_crossings,
     .cloud = medium_cloud,
     .save = medium_save,
 };

@@ -8,6 +8,12 @@
 #include "solvers/grains/grains_start.h"
 
 enum { GRAINS_QUANTITIES = 6 };
+#define GRAINS_QUANTITY_ROWS                                                                                           \
+    {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false}, {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},                             \
+        {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false}, {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},                              \
+        {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false}, {                                                                    \
+        "TComponents", 3, {0, 2, -2, 0, 0, 0, 0}, false                                                                \
+    }
 extern const struct quantity grains_quantity[];             /* rho alpha U T p TComponents */
 extern const enum coarse_field grains_coarse_of[];          /* of each */
 extern const int grains_written[];                          /* all, ended by -1 */

@@ -20,6 +20,9 @@ static const struct param grains_param[] = {
     WHOLE("N", number, 0, FROM_TO(0, 2e9),
           "grains; 0: as alpha (or rho) of the start says, which else only says where they are denser"),
     WHOLE("seed", seed, 1, FROM_TO(0, 2e9), "of the random places and velocities"),
+    NUMBER("shearRate", shear, 0, ANY_NUMBER, UNIT(0, 0, -1),
+           "of a box that is cyclic along all axes: the images above the second axis move along the first (Lees & "
+           "Edwards)"),
     SWITCH("writeCloud", write_cloud, true, "lagrangian/grains in every written time; restarts do not need it"),
     NOTED("walls", "dictionary", "none", "a dictionary for each patch that is not elastic, by its name",
           "walls { floor { restitution 0.7; } }"),
@@ -130,6 +133,7 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
     char path[PATH];
     struct dict *none = NULL;
     TRY(allocate(&m->restitution, mesh->npatches, sizeof(double), "walls"));
+    TRY(allocate(&m->open, mesh->npatches, sizeof *m->open, "walls"));
     TRY(allocate(&m->restitution_line, mesh->npatches, sizeof(int), "walls"));
     TRY(allocate(&m->friction, mesh->npatches, sizeof(double), "walls"));
     snprintf(path, sizeof path, "%s/constant/granularProperties", dir);
@@ -165,6 +169,7 @@ void grains_models_free(struct grains_models *m) {
     dict_free(m->granular);
     dict_free(m->properties);
     free(m->restitution);
+    free(m->open);
     free(m->restitution_line);
     free(m->friction);
     free(m);
@@ -240,6 +245,7 @@ void grains_boundaries_list(FILE *f) {
         if (boundary_is_smooth(&boundary_table[i]))
             fprintf(f, "  %-14s %-16s flat smooth wall\n", boundary_table[i].model.name, "U");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "scalars", "on walls");
+    fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "U", "grains whose centres come there leave");
     fprintf(f, "  %-14s %-16s %s\n", "granularWall", "T",
             "restitution e; of impacts on that wall, as in the gas (or walls of constant/particleProperties; else 1)");
     fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
@@ -251,6 +257,7 @@ void grains_models_print(FILE *f, const struct grains_models *m) {
             m->grain.diameter, m->grain.mass, "restitution", m->grain.restitution, "thresholdSpeed",
             m->grain.threshold);
     forces_print(f, &m->forces);
+    if (m->shear != 0) fprintf(f, "    %-22s %.10g 1/s\n", "shearRate", m->shear);
     fprintf(f, "    %-22s %s", "coarse graining", kernel_names[m->kernel]);
     if (m->kernel != COARSE_CELL) fprintf(f, ", width %g m", m->width);
     if (m->window > 0)

@@ -15,10 +15,12 @@ struct grains_models {
     struct forces forces;
     struct material grain; /* diameter, mass, restitution, threshold */
     int number, seed;      /* number 0: it follows from the field alpha or rho */
+    double shear;          /* 1/s: shear rate of a periodic box */
     bool write_cloud;
     enum coarse_kernel kernel;
     double width, window;  /* m, s; window 0: fields are of a moment */
     int samples;           /* moments in a window */
+    bool *open;            /* [npatches] do grains leave there? set by grains_box_open */
     double *restitution;   /* [npatches] of impacts on each wall */
     int *restitution_line; /* [npatches] in constant/particleProperties; 0: not given */
     bool soft;             /* are the grains soft? Then the rest counts; restitution < 0: that of two grains */

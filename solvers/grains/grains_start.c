@@ -40,12 +40,16 @@ static status check_files(const struct setup *s, bool saved) {
                 there(s, "p") ? " (p says it of a gas only)" : "");
 }
 
-/* Takes one component of a field, times scale, in the order of the lattice's cells. */
-static status take(const struct setup *s, const struct field *f, int component, double scale, double **out) {
+/* Takes one component of a field, times scale, in the order of the cells of the lattice, or of the mesh. */
+static status take(const struct setup *s, const struct grains_mesh *mesh, const struct field *f, int component,
+                   double scale, double **out) {
     const struct lattice *l = s->lattice;
-    TRY(allocate(out, s->mesh->ncells, sizeof(double), f->kind->name));
-    for (long i = 0; i < s->mesh->ncells; i++)
-        (*out)[i] = scale * f->values[(long)l->cell[i] * f->kind->components + component];
+    const long cells = mesh ? s->mesh->ncells : (long)l->n[0] * l->n[1] * l->n[2];
+    TRY(allocate(out, cells, sizeof(double), f->kind->name));
+    for (long i = 0; i < cells; i++) { /* 0 in the holes of a lattice */
+        const long cell = mesh ? i : l->cell[i];
+        if (cell >= 0) (*out)[i] = scale * f->values[cell * f->kind->components + component];
+    }
     return OK;
 }
 
@@ -78,7 +82,7 @@ static status take_density(const struct setup *s, const struct grains_models *m,
     snprintf(what, sizeof what, "it must lie between 0 and %.4g, close packing of %s%s", alpha ? packed : packed / per,
              s->dim == 2 ? "disks" : "spheres", alpha ? "" : " in the unit of rho");
     TRY(check_cells(s, f, alpha ? packed : packed / per, what));
-    return take(s, f, 0, alpha ? 1 : per, &p->alpha);
+    return take(s, p->mesh, f, 0, alpha ? 1 : per, &p->alpha);
 }
 
 /* Lays a settledLayer, with its waves, as granularGas does: by the equation of state, if it is hydrostatic. */
@@ -108,16 +112,21 @@ static status read_fields(const struct setup *s, const struct grains_models *m, 
 }
 
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *p) {
-    *p = (struct grains_start){.alpha = NULL};
+    *p = (struct grains_start){.mesh = NULL};
     TRY(check_files(s, saved));
-    TRY(read_fields(s, m, saved, p));
+    return read_fields(s, m, saved, p);
+}
+
+status grains_start_take(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh,
+                         bool saved, struct grains_start *p) {
+    p->mesh = mesh;
     if (saved) return OK;
     TRY(take_density(s, m, p));
     TRY(check_velocity(s, p->field[FIELD_U]));
-    for (int k = 0; k < s->dim; k++) TRY(take(s, p->field[FIELD_U], s->axis[k], 1, &p->u[k]));
+    for (int k = 0; k < s->dim; k++) TRY(take(s, p->mesh, p->field[FIELD_U], s->axis[k], 1, &p->u[k]));
     if (!p->field[FIELD_T]) return OK;
     TRY(check_cells(s, p->field[FIELD_T], HUGE_VAL, "it must be 0 or greater"));
-    return take(s, p->field[FIELD_T], 0, 1, &p->T);
+    return take(s, p->mesh, p->field[FIELD_T], 0, 1, &p->T);
 }
 
 status grains_start_check(const struct setup *s, const struct grains_models *m, const struct grains_start *p) {
@@ -186,7 +195,8 @@ void grains_start_free(struct grains_start *p) {
 
 static struct packing_field field_of(const struct setup *s, const struct grains_start *p) {
     struct packing_field f = {.alpha = p->alpha, .T = p->T, .u = {p->u[0], p->u[1], p->u[2]}};
-    for (int k = 0; k < 3; k++) f.n[k] = s->lattice->n[k];
+    if (p->mesh) f.mesh = &p->mesh->base;
+    for (int k = 0; k < 3; k++) f.n[k] = p->mesh ? 1 : s->lattice->n[k];
     return f;
 }
 

@@ -6,14 +6,20 @@
 
 #include "libcore/grains/packing.h"
 #include "solvers/case/case.h"
+#include "solvers/grains/grains_mesh.h"
 #include "solvers/grains/grains_models.h"
 
 struct grains_start {
     struct field *field[FIELD_COUNT]; /* NULL: no such file */
-    double *alpha, *T, *u[3];         /* [cells] of the lattice, axis 0 fastest; u along computational axes */
+    /* [cells] of a box, axis 0 fastest, or of `mesh`; u along computational axes */
+    double *alpha, *T, *u[3];
+    const struct grains_mesh *mesh; /* NULL: the cells fill a box */
 };
-/* Reads the fields. saved: the grains' own state is there, so that only the patches count. */
+/* Reads the fields. grains_start_take then takes their values for the start, on a mesh (NULL: a box). saved: the
+ * grains' own state is there, so that only the patches count. */
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *out);
+status grains_start_take(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh,
+                         bool saved, struct grains_start *p);
 /* Takes the restitution of walls from T, where it is granularWall or, of soft grains, JohnsonJacksonSlip; fails if
  * particleProperties says another. */
 status grains_start_walls(const struct grains_start *p, const struct polymesh *mesh, struct grains_models *m);

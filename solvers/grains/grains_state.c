@@ -26,6 +26,22 @@ static struct head head_of(const struct grains_state *s) {
                                   sizeof(struct averages_mark)}};
 }
 
+void grains_state_walls(const struct grain_box *b, double out[3]) {
+    uint32_t sum = 2166136261u; /* FNV-1a */
+    out[0] = out[1] = out[2] = 0;
+    if (b->shear != 0) {
+        out[0] = 1;
+        out[1] = b->shear;
+        out[2] = -1;
+    }
+    if (!b->facets) return;
+    const size_t bytes = (size_t)b->facets->space.walls * sizeof(double);
+    for (size_t i = 0; i < bytes; i++) sum = (sum ^ ((const unsigned char *)b->wall_restitution)[i]) * 16777619u;
+    out[0] = (b->facets->opens ? 2. : 1.) * b->facets->space.walls;
+    out[1] = (double)b->facets->sum;
+    out[2] = sum;
+}
+
 static void box_numbers(const struct grain_box *b, double v[BOX]) {
     int n = 0;
     v[n++] = b->dim;
@@ -39,7 +55,7 @@ static void box_numbers(const struct grain_box *b, double v[BOX]) {
     }
     v[n++] = b->omega;
     v[n++] = b->phase;
-    while (n < BOX) v[n++] = 0;
+    grains_state_walls(b, v + n);
 }
 static void numbers_box(const double v[BOX], struct grain_box *b) {
     int n = 0;
@@ -67,6 +83,7 @@ static void numbers_law(const double v[LAW], struct grain_law *l) {
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law) {
     double was[BOX + LAW], is[BOX + LAW];
     box_numbers(&s->box, was);
+    memcpy(was + BOX - 3, s->walls, sizeof s->walls);
     law_numbers(&s->law, was + BOX);
     box_numbers(box, is);
     law_numbers(law, is + BOX);
@@ -99,6 +116,7 @@ status grains_state_write(const struct grains_state *s, const char *path, const 
     double box[BOX], law[LAW];
     struct sink *o;
     box_numbers(&s->box, box);
+    memcpy(box + BOX - 3, s->walls, sizeof s->walls);
     law_numbers(&s->law, law);
     TRY(sink_open(path, compress, &o));
     foam_header_write(o, &binary, "grains", location, "grains", "the exact state of granularMD, for restarts");
@@ -115,6 +133,7 @@ status grains_state_write(const struct grains_state *s, const char *path, const 
     sink_write(o, s->event, n * sizeof *s->event);
     sink_write(o, s->id, n * sizeof *s->id);
     for (int k = 0; k < 2; k++) sink_write(o, s->sums[k], (size_t)s->nsums * sizeof(double));
+    if (s->walls[0] > 0) sink_write(o, s->impulse, (size_t)s->walls[0] * sizeof *s->impulse);
     sink_printf(o, ")\n");
     return sink_close_sum(o, sum);
 }
@@ -126,21 +145,25 @@ static bool take_numbers(struct bytes *b, struct grains_state *s) {
         !bytes_take(b, &s->mark, sizeof s->mark) || !bytes_take(b, s->grid, sizeof s->grid))
         return false;
     numbers_box(box, &s->box);
+    memcpy(s->walls, box + BOX - 3, sizeof s->walls);
     numbers_law(law, &s->law);
     return true;
 }
 
 static bool take_lists(struct bytes *b, struct grains_state *s) {
     const size_t n = (size_t)s->n, sums = (size_t)s->nsums * sizeof(double);
+    const size_t walls = (size_t)s->walls[0] * sizeof *s->impulse;
     return bytes_take(b, s->grain, n * sizeof *s->grain) && bytes_take(b, s->event, n * sizeof *s->event) &&
            bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->sums[0], sums) &&
-           bytes_take(b, s->sums[1], sums) && b->left == 2 && !memcmp(b->at, ")\n", 2);
+           bytes_take(b, s->sums[1], sums) && (walls == 0 || bytes_take(b, s->impulse, walls)) && b->left == 2 &&
+           !memcmp(b->at, ")\n", 2);
 }
 
 static status allocate_lists(struct grains_state *s) {
     TRY(pool_take(&s->pool, &s->grain, s->n, sizeof *s->grain, "grains"));
     TRY(pool_take(&s->pool, &s->event, s->n, sizeof *s->event, "events"));
     TRY(pool_take(&s->pool, &s->id, s->n, sizeof *s->id, "grains"));
+    TRY(pool_take(&s->pool, &s->impulse, (long)s->walls[0], sizeof *s->impulse, "walls"));
     TRY(pool_take(&s->pool, &s->sums[0], s->nsums, sizeof(double), "averages"));
     return pool_take(&s->pool, &s->sums[1], s->nsums, sizeof(double), "averages");
 }
@@ -170,7 +193,8 @@ static status parse(const struct source *source, struct lexer *l, struct grains_
         return fail(ERR_INPUT, "%s: it was written by another version, or a machine of other numbers; %s", source->path,
                     cure);
     const double bytes = 80. * head.n + 16. * (double)head.nsums;
-    if (head.n < 1 || head.nsums < 0 || bytes > (double)b.left || !take_numbers(&b, s))
+    if (head.n < 1 || head.nsums < 0 || bytes > (double)b.left || !take_numbers(&b, s) ||
+        !(s->walls[0] >= 0 && s->walls[0] <= (double)b.left))
         return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     TRY(allocate_lists(s));
     if (!take_lists(&b, s) || !sound(s)) return fail(ERR_INPUT, "%s: it is cut or damaged; %s", source->path, cure);

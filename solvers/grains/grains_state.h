@@ -10,7 +10,8 @@
 #include "solvers/grains/grains_averages.h"
 
 struct grains_state {
-    struct grain_box box; /* box and law under which the events were predicted */
+    struct grain_box box; /* box and law under which the events were predicted; a state that was read has neither
+                           * facets nor shear */
     struct grain_law law;
     int n;
     double t;      /* s: time reached */
@@ -19,12 +20,17 @@ struct grains_state {
     struct grain *grain;       /* [n], by index */
     struct grain_event *event; /* [n] */
     int32_t *id;               /* [n] */
+    double walls[3];           /* of grains_state_walls */
+    double (*impulse)[3];      /* [walls[0]] of grains_impulses */
     struct averages_mark mark;
     double grid[16]; /* struct coarse_grid of the sums, as numbers */
     long nsums;
     double *sums[2];  /* [nsums]: running window, last complete one */
     struct pool pool; /* has the lists of a state that was read */
 };
+/* Turns walls of facets into numbers: how many (twice with open ones), checksums of their shape and of their
+ * restitution. A sheared box has 1, the shear rate, -1; any other zeros. */
+void grains_state_walls(const struct grain_box *b, double out[3]);
 /* Were the events predicted under this box and law? */
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law);
 /* Turns a grid into numbers, so that two grids can be compared. */

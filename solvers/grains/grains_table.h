@@ -11,6 +11,7 @@ struct grains_totals {                      /* all in the frame of the box */
     double T;                               /* m^2/s^2: variance of a velocity component over all grains */
     double kinetic, potential, momentum[3]; /* J, kg m/s along computational axes */
     struct grain_counts counts;
+    const double (*impulse)[3]; /* of grains_impulses */
 };
 struct grains_totals grains_totals(const struct grains *g, const struct grain_box *box, double mass);
 

@@ -47,7 +47,7 @@ static const int written[] = {PHI, U, -1}, shown[] = {PHI, -1};
 static status mixture_read(struct setup *s) {
     struct mixture *x;
     TRY(allocate(&x, 1, sizeof *x, "the mixture"));
-    x->base = (struct medium){.type = &segregation_medium, .setup = s, .fields = segregation_medium.fields};
+    x->base = (struct medium){.type = &segregation_medium, .setup = s};
     s->medium = &x->base;
     TRY(segregation_models_read(s->dir, &x->models));
     s->file[s->nfiles++] = (struct setup_file){"system", "fvSchemes", x->models->schemes};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Impacts per second of the event-driven grains: bench_grains [disks|spheres|many|bed|layer|all] [impacts]. Lattices
- * with random velocities; the first tenth of the impacts melts them and is not timed. */
+/* Impacts per second of the event-driven grains: bench_grains [disks|spheres|many|bed|layer|walls|room|all] [impacts].
+ * Lattices with random velocities; the first tenth of the impacts melts them and is not timed. */
 #include "libcore/grains/grains.h"
 #include "tests/bench/clock.h"
 
@@ -17,13 +17,16 @@ struct scene {
     bool bed; /* gravity 1 along -y, walls below and high above, diameter 1 */
     double T, shake;
     int64_t impacts;
+    int facets; /* > 0: walls all around, of facets: so many squares, cut in two, along each side; < 0: flat ones */
 };
 static const struct scene scenes[] = {
-    {"disks", 2, {50, 60, 1}, 0.5, 1, false, 1, 0, 3000000},
-    {"spheres", 3, {15, 10, 5}, 0.26, 1, false, 1, 0, 3000000},
-    {"many", 3, {36, 36, 36}, 0.26, 0.9, false, 1, 0, 2500000},
-    {"bed", 3, {66, 11, 66}, 0.62, 0.9, true, 0.1, 0, 5000000},
-    {"layer", 2, {314, 6, 1}, 0.76, 0.75, true, 0.1, 5.57, 3000000}, /* 2.75 g, where layers show waves */
+    {"disks", 2, {50, 60, 1}, 0.5, 1, false, 1, 0, 3000000, 0},
+    {"spheres", 3, {15, 10, 5}, 0.26, 1, false, 1, 0, 3000000, 0},
+    {"many", 3, {36, 36, 36}, 0.26, 0.9, false, 1, 0, 2500000, 0},
+    {"walls", 3, {36, 36, 36}, 0.26, 0.9, false, 1, 0, 2500000, -1},
+    {"room", 3, {36, 36, 36}, 0.26, 0.9, false, 1, 0, 2500000, 29}, /* 10,092 facets */
+    {"bed", 3, {66, 11, 66}, 0.62, 0.9, true, 0.1, 0, 5000000, 0},
+    {"layer", 2, {314, 6, 1}, 0.76, 0.75, true, 0.1, 5.57, 3000000, 0}, /* 2.75 g, where layers show waves */
 };
 
 static uint64_t state = 88172645463325252u;
@@ -69,6 +72,42 @@ static int lattice(const struct scene *s, struct grain_box *box, double (*x)[3],
     return n;
 }
 
+/* Puts walls around the grains, half a diameter beyond the lattice. */
+static status wall_in(const struct scene *s, struct grain_box *box, struct facets **out) {
+    const int m = s->facets, most = 12 * m * m;
+    struct facet_space space = {.dim = 3, .volume = 1, .reach = 0.5, .walls = 6};
+    struct facet *list;
+    int n = 0;
+    for (int k = 0; k < 3; k++) {
+        box->periodic[k] = false;
+        box->restitution[k][0] = box->restitution[k][1] = 1;
+        space.low[k] = box->low[k] -= 0.5;
+        space.high[k] = box->high[k] += 0.5;
+        space.volume *= box->high[k] - box->low[k];
+    }
+    *out = NULL;
+    if (m < 0) return OK;
+    TRY(allocate(&list, most, sizeof *list, "facets"));
+    for (int side = 0; side < 6; side++)
+        for (int half = 0; half < 2 * m * m; half++) {
+            const int k = side / 2, p = (k + 1) % 3, q = (k + 2) % 3, i = half / 2 % m, j = half / 2 / m;
+            /* corners that are right-handed about axis k, the other way at the low end */
+            const int at[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+            struct facet *f = &list[n++];
+            f->wall = side;
+            for (int c = 0; c < 3; c++) {
+                const int *corner = at[half % 2][side & 1 ? c : 2 - c];
+                f->corner[c][k] = side & 1 ? box->high[k] : box->low[k];
+                f->corner[c][p] = box->low[p] + (box->high[p] - box->low[p]) * (i + corner[0]) / m;
+                f->corner[c][q] = box->low[q] + (box->high[q] - box->low[q]) * (j + corner[1]) / m;
+            }
+        }
+    status e = facets_make(&space, n, list, out);
+    free(list);
+    box->facets = *out;
+    return e;
+}
+
 /* Kinetic, potential and what impacts took: constant in a box at rest */
 static double balance(const struct grains *g) {
     double kinetic, potential, momentum[3];
@@ -81,12 +120,14 @@ static status run(const struct scene *s, int64_t impacts) {
         .diameter = 1, .mass = 1, .restitution = s->restitution, .threshold = s->shake > 0 ? 0.03 : 1e-3};
     struct grain_box box;
     struct grains *g;
+    struct facets *walls = NULL;
     double(*x)[3], (*u)[3];
     long most = 4L * s->n[0] * s->n[1] * s->n[2];
     if (s->bed) law.gravity[1] = -1;
     TRY(allocate(&x, most, sizeof *x, "places"));
     TRY(allocate(&u, most, sizeof *u, "velocities"));
     int n = lattice(s, &box, x, u);
+    if (s->facets) TRY(wall_in(s, &box, &walls));
     double made = cpu_seconds();
     TRY(grains_make(&box, &law, n, (const double(*)[3])x, (const double(*)[3])u, 0, &g));
     made = cpu_seconds() - made;
@@ -104,6 +145,7 @@ static status run(const struct scene *s, int64_t impacts) {
     if (s->shake == 0) printf(", energy changed by %.2g", balance(g) / energy - 1);
     printf("\n");
     grains_free(g);
+    facets_free(walls);
     free(x);
     free(u);
     return OK;

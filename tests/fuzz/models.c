@@ -69,7 +69,7 @@ static void try_eos(const struct gas_models *g, const struct states *s) {
 
 static void try_cooling(const struct gas_models *g, const struct states *s) {
     static const double dt[] = {0, 1e-12, 1e-3, 1, 1e6};
-    const struct closure_line cells = {g->eos, &g->material, N, s->rho, NULL, s->T, NULL};
+    const struct closure_line cells = {g->eos, &g->material, N, s->rho, NULL, s->T, NULL, false};
     const struct sources *q = &g->source;
     for (int k = 0; q->cooling && k < 5; k++) {
         double eps[N];
@@ -84,7 +84,7 @@ static void try_cooling(const struct gas_models *g, const struct states *s) {
 static void try_transport(const struct gas_models *g, const struct states *s) {
     const struct transport *t = g->transport;
     double bulk[N], shear[N], heat[N];
-    const struct closure_line cells = {g->eos, &g->material, N, s->rho, s->T, s->T, NULL};
+    const struct closure_line cells = {g->eos, &g->material, N, s->rho, s->T, s->T, NULL, false};
     if (!t || !are_tame(&t->model, &g->transport_params)) return;
     const struct transport_terms terms = transport_terms(t, &g->transport_params);
     t->coefficients(&g->transport_params, &cells, bulk, shear, heat);

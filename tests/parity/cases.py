@@ -39,10 +39,11 @@ for key, value in {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIR
 
 from tests.cases import harness, runs  # noqa: E402
 from tests.cases.gas import test_limiter  # noqa: E402
+from tests.cases.transport import test_carried  # noqa: E402
 
 CONTROL, SCHEMES, SOLUTION, GAS = "system/controlDict", "system/fvSchemes", "system/fvSolution", "constant/granularProperties"
 BLOCK = 1024  # bytes of a file that is not text, whose checksum is saved
-PROGRAMS = {"granularGas": ("-help", "-listModels", "-listBCs"), "granularMD": ("-help", "-listModels", "-listBCs"),
+PROGRAMS = {"granularGas": ("-help", "-listModels", "-listBCs"), "granularMD": ("-help", "-listModels", "-listBCs"), "granularDEM": ("-help", "-listModels", "-listBCs"),
             "granularSegregation": ("-help", "-listModels", "-listBCs"), "gmshToCase": ("-help",), "checkCase": ("-help",),
             "caseToVTK": ("-help",)}
 
@@ -72,6 +73,9 @@ SHIPPED = {
     "blastElastic": Row("blastElastic", {"N": 200}, ended(5.48)),
     "bouncingBed": Row("bouncingBed", {"N": 50}, ended(0.1)),
     "bouncingBedMD": Row("bouncingBedMD", {"N": 20, "W": 0.01}, ended(0.1), [("constant/particleProperties", "3424", "856")]),
+    "bouncingBedDEM": Row("bouncingBedDEM", {"N": 20, "W": 0.02}, ended(0.004), [("constant/particleProperties", "8560", "300")]),
+    "chuteDEM": Row("chuteDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
+    "columnDEM": Row("columnDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "cooling3D": Row("cooling3D", {"N": 16}, ended(40)),
     "cooling3DMD": Row("cooling3DMD", {"L": 24, "N": 6}, ended(40, deltaT=20)),
     "coolingDisks": Row("coolingDisks", {"N": 48}, ended(40)),
@@ -79,6 +83,7 @@ SHIPPED = {
     "coolingGas": Row("coolingGas", {"L": 60, "N": 6}, ended(80)),
     "couetteDisks": Row("couetteDisks", {"N": 24}, ended(20)),
     "cylinder": Row("cylinder", {"N": 8}, ended(0.4)),
+    "demonMD": Row("demonMD", {}, ended(40)),
     "equationOfState": Row("equationOfState", {"L": 30}, ended(8)),
     "faraday": Row("faraday", {"L": 60}, ended(0.3)),
     "faradayMD": Row("faradayMD", {"L": 40}, ended(0.3), [("constant/particleProperties", "1879", "250")]),
@@ -94,11 +99,14 @@ SHIPPED = {
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
     "sedimentation": Row("sedimentation", {"N": 50}, ended(0.05)),
     "sedimentationMD": Row("sedimentationMD", {"N": 20, "W": 0.01}, ended(0.04), [("constant/particleProperties", r"N +0;", "N 1500;")]),
+    "shearDEM": Row("shearDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
+    "siloDEM": Row("siloDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "segregationChute": Row("segregationChute", {"N": 40}, ended(1)),
     "segregationExponential": Row("segregationExponential", {}, ended(100)),
     "segregationLinear": Row("segregationLinear", {}, ended(0.4)),
     "segregationWedge": Row("segregationWedge", {"N": 20}, ended(0.05), prepare=gas_of_wedge),
     "settlingColumn": Row("settlingColumn", {"N": 40}, ended(0.1)),
+    "shearMD": Row("shearMD", {"L": 20, "N": 8}, ended(10), [("0.orig/U", "y - 20", "y - 10")]),
     "sod": Row("sod", {"N": 200}, ended(0.2)),
     "sphere3D": Row("sphere3D", {"N": 8}, ended(0.2)),
     "vibratedLayer": Row("vibratedLayer", {"N": 300}, ended(0.002)),
@@ -122,6 +130,11 @@ def box(n=(40, 30, 1), end=0.03, **options):
 def shot(engine, end):
     """Dense lumps at a high Mach number through a near vacuum, as tests/cases/gas/test_limiter.py starts them."""
     return lambda path: test_limiter.Limiter.shot(types.SimpleNamespace(folder=os.path.dirname(path)), os.path.basename(path), engine, end)
+
+
+def carrying(engine):
+    """A bubble with a dye and a mixture (tests/cases/transport/test_carried.py)."""
+    return lambda path: test_carried.make(path, (30, 16, 1), 0.01, engine, interval=0.005)
 
 
 def open_box(path):
@@ -197,6 +210,7 @@ EXTRA = {
        for f in ("common", "Marquina", "MarquinaStable", "LaxFriedrichs", "globalLaxFriedrichs", "Rusanov")},
     **{f"reconstruct{r}": Row(box(reconstruct=r)) for r in ("PHM", "WPENO5", "WENO5", "WENOZ", "TENO5", "firstOrder")},
     **{f"time{t}": Row(box(stepper=t)) for t in ("SSPRK3", "SSPRK43", "SSPRK104", "SSPRK2", "Euler")},
+    **{f"carried{e.capitalize()}": Row(carrying(e), ranks=2, stop=0.005) for e in ("lattice", "polyhedral")},
     **{f"flux{f}Polyhedral": Row(box(flux=f, end=0.01), append=[(SCHEMES, "meshEngine polyhedral;\n")])
        for f in ("Marquina", "MarquinaStable", "LaxFriedrichs", "Rusanov")},
 }

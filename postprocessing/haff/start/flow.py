@@ -27,13 +27,15 @@ class Flow:
 
     def __init__(self, o, geometry, kind):
         self.o, self.geometry, self.kind = o, geometry, kind
-        self.grains = o.application == "granularMD"
+        self.grains, self.soft = o.application in ("granularMD", "granularDEM"), o.application == "granularDEM"
         self.d = self.shape(o.grains)
         self.rough = "rough" in kind.values()
+        if self.rough and self.soft:
+            raise ValueError("a rough wall is one of granularGas; soft grains rub on any wall: leave out  =rough")
         if self.rough and self.grains:
             raise ValueError("a rough wall is one of granularGas; in granularMD walls are smooth")
         self.transport = (o.transport or self.rough) and not self.grains
-        self.sticky = self.transport and o.walls != "slip"
+        self.sticky = (self.transport or self.soft) and o.walls != "slip"
         self.g = self.gravity(o.gravity)
         self.open = [p for p in geometry.patches if kind[p.name] in ("inlet", "outlet", "open")]
         self.stream = any(kind[p.name] == "inlet" for p in self.open) or bool(self.open and (o.Mach or o.speed))
@@ -53,9 +55,9 @@ class Flow:
         """2 for disks, 3 for spheres."""
         solved = len(self.geometry.axes)
         if self.grains and solved == 1:
-            raise ValueError("-application granularMD: grains move in two or three dimensions, and the mesh has one")
+            raise ValueError(f"-application {self.o.application}: grains move in two or three dimensions, and the mesh has one")
         if self.grains and grains and (grains == "disks") != (solved == 2):
-            raise ValueError(f"-application granularMD: on {solved} solved axes grains are {'disks' if solved == 2 else 'spheres'}, so leave out  -grains {grains}")
+            raise ValueError(f"-application {self.o.application}: on {solved} solved axes grains are {'disks' if solved == 2 else 'spheres'}, so leave out  -grains {grains}")
         if grains == "disks" and solved == 3:
             raise ValueError("-grains disks: disks move in a plane, and the mesh has three dimensions; take spheres")
         return 2 if grains == "disks" or (self.grains and solved == 2) else 3
@@ -176,7 +178,16 @@ class Flow:
         else:
             self.T = rounded(given[0] ** 2, 4)
         # gas that falls packs: with a threshold of a fall through a grain its sound stays some ten times as fast as its flow, and steps as long
-        self.threshold = rounded(fall if self.falls and not self.grains else fall / 30 if np.any(self.g) and not self.stream else math.sqrt(self.T) / 10) if self.restitution < 1 else 0
+        self.threshold = rounded(fall if self.falls and not self.grains else fall / 30 if np.any(self.g) and not self.stream else math.sqrt(self.T) / 10) if self.restitution < 1 and not self.soft else 0
+
+    @property
+    def stiffness(self):
+        """Of the spring between soft grains of mass 1: the fastest impact overlaps them by a hundredth of their diameter."""
+        fall, shaken = math.sqrt(2 * float(np.linalg.norm(self.g)) * self.geometry.size[self.down]), 0.0
+        if self.o.shaking:
+            shaken = self.o.shaking[0] * float(np.linalg.norm(self.g)) / (2 * math.pi * self.o.shaking[1])
+        fastest = max(fall, shaken, float(np.linalg.norm(self.velocity)) + 3 * math.sqrt(self.T))
+        return rounded(0.5 * (fastest / (0.01 * self.diameter)) ** 2)
 
     def times(self):
         """End, and time between writes."""

@@ -6,7 +6,7 @@
     newCase DIR -box 2x1 -cells 200x100                     a box: left right bottom top (back front); also of one axis or three
     newCase DIR mesh.geo -Mach 4                            a stream that enters at the patch `inlet`
     newCase DIR -box 100x40 -gravity 981 -shaking 3,10 -diameter 1 -grains disks -transport
-    newCase DIR mesh.geo -application granularMD            grains in place of a gas
+    newCase DIR mesh.geo -application granularMD            grains in place of a gas; granularDEM: soft ones with friction
     newCase DIR -chute 25                                   a layer slides down a rough floor, inclined by 25 degrees
     newCase DIR -silo 8                                     a silo runs out of a slot, 8 grains wide; its flow rate is written
     newCase DIR -column 2                                   a column, twice as high as wide, collapses on a floor
@@ -62,7 +62,7 @@ def parser():
     made = command.parser(__doc__, usage="newCase DIR [mesh.geo | mesh.msh | -box LxH -cells NxM] [options]")
     made.add_argument("dir", metavar="DIR")
     made.add_argument("mesh", nargs="?", help="mesh.geo or mesh.msh")
-    made.add_argument("-application", metavar="NAME", default="granularGas", choices=("granularGas", "granularMD"), help="granularGas (default) or granularMD")
+    made.add_argument("-application", metavar="NAME", default="granularGas", choices=("granularGas", "granularMD", "granularDEM"), help="granularGas (default), granularMD or granularDEM")
     made.add_argument("-grains", choices=("spheres", "disks"), help="spheres (default; also in a plane) or disks")
     made.add_argument("-diameter", type=float, metavar="D", help="of a grain (a quarter of a cell)")
     made.add_argument("-restitution", type=float, metavar="E", help="0 to 1 (0.9; of a stream 0.95); 1: elastic")
@@ -72,7 +72,7 @@ def parser():
     made.add_argument("-gravity", metavar="G", help="a number, downwards, or X,Y,Z; in a plane X,Y")
     made.add_argument("-shaking", metavar="A,F", help="acceleration of the plate over gravity's (no length), and its frequency (no rad/s)")
     made.add_argument("-transport", action="store_true", help="viscosity and heat conduction; walls then hold the gas")
-    made.add_argument("-walls", choices=("slip", "noSlip"), help="with -transport (noSlip)")
+    made.add_argument("-walls", choices=("slip", "noSlip"), help="with -transport or granularDEM (noSlip)")
     made.add_argument("-patch", metavar="NAME=KIND", action="append", default=[], help="what a patch is; may be repeated")
     made.add_argument("-periodic", metavar="A,B", action="append", default=[], help="two patches that are joined; may be repeated")
     made.add_argument("-box", metavar="LxHxD", help="extent of a box, along one to three axes (1x1)")

@@ -36,7 +36,7 @@ def chosen(o):
     if named[1:] or given:
         raise ValueError(f"-{named[0]} is a whole problem: leave out  {'-' if named[1:] or given[0] != 'mesh' else ''}{(named[1:] or given)[0]}")
     if o.application != "granularGas":
-        raise ValueError(f"-{named[0]} is a problem of granularGas: grains of granularMD move in boxes with smooth walls")
+        raise ValueError(f"-{named[0]} is a problem of granularGas: grains of {o.application} move in boxes")
     if o.gravity and (len(o.gravity) != 1 or not o.gravity[0]):
         raise ValueError(f"-{named[0]} has a direction of gravity of its own: give its size, as  -gravity {GRAVITY:g}")
     o.diameter = o.diameter or DIAMETER

@@ -136,6 +136,9 @@ def particles(keywords, flow):
     f.note("The number of grains is that of alpha of the start, or  N 1000;")
     f.entry("seed", "1")
     f.entry("writeCloud", "yes")
+    if flow.soft:
+        f.dictionary("contact", [("type", "linear"), ("stiffness", f"{flow.stiffness:g}", "the fastest impact overlaps two grains by a hundredth of their diameter"),
+                                 ("friction", "0.5"), ("tangentialDamping", "0.5")], "how grains repel each other; walls are as grains")
     f.dictionary("coarseGraining", [("kernel", "cell"), ("window", "0"), ("samples", "10")], "how fields are made of grains")
     return f.text()
 
@@ -151,7 +154,7 @@ def control(keywords, flow, version):
     f.entry("stopAt", "endTime", "or writeNow, which stops a run that is going on")
     f.entry("endTime", f"{flow.end:.12g}")
     f.note("")
-    f.entry("deltaT", f"{flow.interval / 100:g}", "the most for the first step; grains take no steps" if flow.grains else "the most for the first step")
+    f.entry("deltaT", f"{flow.interval / 100:g}", "for OpenFOAM's tools; grains have steps of their own, or none" if flow.grains else "the most for the first step")
     f.entry("adjustTimeStep", "yes")
     f.entry("maxCo", "1")
     f.note("")
@@ -262,7 +265,7 @@ report
 ALL_CLEAN = """#!/bin/sh
 # Removes what runs made; mesh and dictionaries stay.
 cd "$(dirname "$0")" || exit 1
-rm -rf 0 [1-9]* 0.[0-9]* postProcessing VTK diverged log.*
+rm -rf 0 [1-9]* 0.[0-9]* postProcessing VTK diverged dem log.*
 """
 
 

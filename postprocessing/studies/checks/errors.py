@@ -6,12 +6,13 @@ import os
 import numpy as np
 
 from haff.runs import copies
-from studies.exact import bunches, disks, segregation
+from studies.exact import bunches, disks, extended, segregation
 from studies.exact.eos import of_case
 from studies.exact.riemann import BLAST, Riemann
 from studies.measured import mixture
 
-CHANNELS = {"couetteDisks": (disks.couette, 1), "heatedWalls": (disks.heated_walls, 0), "poiseuilleDisks": (disks.poiseuille, 1)}
+CHANNELS = {"couetteDisks": (disks.couette, 1), "heatedWalls": (disks.heated_walls, 0), "poiseuilleDisks": (disks.poiseuille, 1),
+            "couetteSpheres": (extended.couette, 1)}
 
 
 @functools.lru_cache(maxsize=1)
@@ -28,6 +29,19 @@ def channel(case, field):
     flow = steady(name, case.path, tuple(sorted(copies.digests(case.path).items())))
     found = case.field(field, case.times[-1])
     return np.abs((found[:, 0] if field == "U" else found) - flow(case.centres[:, CHANNELS[name][1]], "u" if field == "U" else field))
+
+
+def grains_difference(case, field, _):
+    """Root mean square of the differences between the grains of cases/couetteSpheres and the gas at 72 heights; of the decimal logarithms of T,
+    which ranges over two decades."""
+    y, grains = extended.grains(field)
+    at = (np.arange(72) + 0.5) / 72
+    row = case.centres[:, 0] < case.centres[:, 0].min() + 1e-6
+    found = case.field(field, case.times[-1])[row]
+    found = np.interp(at, case.centres[row, 1] / 18, found[:, 0] if field == "U" else found)
+    grains = np.interp(at, y, grains)
+    difference = np.log10(found / grains) if field == "T" else found - grains
+    return float(np.sqrt(np.mean(difference**2)))
 
 
 def front(norm):
@@ -65,6 +79,7 @@ def blast_error(case, field, time):
 QUANTITIES = {
     "L1 error": blast_error,
     "error of the bunches": lambda case, _, time: bunches.error(case, time),
+    "rms difference to the grains": grains_difference,
     "mean error of the channel": lambda case, field, _: float(channel(case, field).mean()),
     "greatest error of the channel": lambda case, field, _: float(channel(case, field).max()),
     "greatest error of the front": front("max"),

@@ -84,7 +84,8 @@ class Disks:
         """B in dT/dt = -B T^(3/2): Haff's law."""
         return 4 / (self.sigma * ROOT_PI) * (1 - self.e**2) * self.G(nu)
 
-    def sink(self, rho, T):
+    def sink(self, rho, T, rate=0.0):
+        """Energy that impacts take per volume and time; no law here sees the shear rate."""
         return rho * self.cooling(rho * self.per) * T**1.5
 
     def cooled(self, nu, T, t):
@@ -186,7 +187,7 @@ class Channel:
         shear, cross = tau / self.gas.shear(rho, T), self.gas.cross(rho, T)
         p_rho = T * self.gas.stiffness(rho * self.gas.per)
         slope = (flux - cross * rho * self.gravity[1] / p_rho) / (self.gas.heat(rho, T) - cross * p / (T * p_rho))
-        return np.array([rho * self.gravity[1], slope, self.gas.sink(rho, T) - tau * shear, shear,
+        return np.array([rho * self.gravity[1], slope, self.gas.sink(rho, T, shear) - tau * shear, shear,
                          -rho * self.gravity[0], rho])
 
     @staticmethod

@@ -65,5 +65,5 @@ class Grains(disks.Disks):
         """B in dT/dt = -B T^(3/2)."""
         return self.starred(nu)[4] * nu / self.per / self.shear0(1.0)
 
-    def sink(self, rho, T):
+    def sink(self, rho, T, rate=0.0):
         return self.d / 2 * rho * self.cooling(rho * self.per) * T**1.5

@@ -226,6 +226,11 @@ class Refused(harness.Folder, unittest.TestCase):
             with open(path, "w") as f:
                 f.write(text.replace(old, new))
             self.assertIn(words, self.said(case))
+        case = shutil.copytree(first, os.path.join(self.folder, "stiff"))
+        harness.edit(case, "constant/granularProperties", diffusivity=1e9)
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("lower its diffusivity", done.stdout + done.stderr)
         case = shutil.copytree(first, os.path.join(self.folder, "rest"))
         os.remove(os.path.join(case, "constant/g"))
         self.assertIn("gravity", self.said(case))

@@ -171,20 +171,24 @@ static void test_strain_of_linear_velocities_is_exact(void **state) {
     }
 }
 
-/* A rough wall that moves with the gas along it, as linear shear does: its stress is G du/dy. */
+/* A rough wall that moves with the gas along it, as linear shear does: its stress is G du/dy, also where gas
+ * moves towards it. */
 static void test_strain_at_rough_walls_is_exact(void **state) {
     (void)state;
-    for (int triangles = 0; triangles < 2; triangles++) {
+    for (int k = 0; k < 4; k++) {
         struct box x;
-        const double dt = 1e-9, about[3] = {0}, y = 0.03, height = 5;
+        const double dt = 1e-9, about[3] = {0}, y = 0.03, height = 5, towards = k < 2 ? 0 : 0.02;
         double G[3][3] = {{0}, {y, 0, 0.5 * y}};
         make(&x, &(struct box_form){.n = {4, 5, 1},
                                     .width = 1,
                                     .components = 3,
                                     .periodic = {true},
-                                    .triangles = triangles,
+                                    .triangles = k % 2,
                                     .friction = law("Coulomb", 0.38)});
-        for (int i = 0; i < x.bed.set.cells; i++) set_linear(&x, i, PACKED, G, about);
+        for (int i = 0; i < x.bed.set.cells; i++) {
+            set_linear(&x, i, PACKED, G, about);
+            x.bed.set.U[2][i] += towards * x.bed.set.U[0][i];
+        }
         for (int f = 0; f < x.bed.set.faces; f++) {
             const bool top = x.bed.set.left[f] >= 0;
             const double normal = x.shapes.normal[1][x.bed.set.shape[f]], up = top ? normal : -normal;
@@ -194,7 +198,7 @@ static void test_strain_at_rough_walls_is_exact(void **state) {
             x.bed.set.wall_speed[2][f] = up > 0 ? 0.5 * y * height : 0;
         }
         rub(&x, dt);
-        assert_strain(&x, dt, G);
+        if (towards == 0) assert_strain(&x, dt, G);
         const double shear = modulus_of(&x) * dt * PACKED / packing_per_density(&x.material) / x.bed.limit * y;
         for (int f = 0; f < x.bed.set.faces; f++) {
             if (x.bed.set.kind[f] != BED_WALL) continue;
@@ -312,6 +316,82 @@ static void test_pressure_and_weight_act_beside_friction(void **state) {
     }
 }
 
+/* Uniform shear that yields has the stress mu(I) p; where s < 1 the part s of it. */
+static void test_sheared_gas_has_the_yield_stress(void **state) {
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        struct box x;
+        const double rate = 3 * (1 + k % 3), height = 5, alpha = k < 3 ? PACKED : 0.53, s = k < 3 ? 1 : 0.03 / 0.076;
+        double G[3][3] = {{0}, {rate}};
+        make(&x, &(struct box_form){.n = {2, 5, 1}, .width = 1, .periodic = {true}, .friction = law("muI", 0.38)});
+        for (int i = 0; i < x.bed.set.cells; i++) set_linear(&x, i, alpha, G, (const double[]){0, 0, 0});
+        for (int f = 0; f < x.bed.set.faces; f++) {
+            const bool low = x.bed.set.left[f] < 0;
+            x.bed.set.wall_friction[f] = HUGE_VAL;
+            x.bed.set.wall_speed[0][f] = low ? 0 : rate * height;
+        }
+        rub(&x, 0.1);
+        const double I = rate * x.bed.friction.grain / sqrt(PRESSURE), yield = 0.38 + 0.19 / (1 + 0.279 / I);
+        for (int f = 0; f < x.bed.set.faces; f++) {
+            const double size = hypot(x.bed.set.stress[0][f], x.bed.set.stress[1][f]);
+            assert_true(fabs(size - s * yield * PRESSURE) < 1e-12 * PRESSURE);
+        }
+        box_free(&x);
+    }
+}
+
+/* Returns the yield stress of a face by docs/physics.md 9.3: mu_static 0.38, cohesion 0.1, k = 0.5. p: of the cells. */
+static double yield_of_face(const struct box *x, const double *p, int f, double g) {
+    const struct bed_set *b = &x->bed.set;
+    const bool across = b->shape[f] == 1;
+    double carried = 0, heavy = 0, light = HUGE_VAL, P = 0, depth = 0;
+    for (int right = 0; right < 2; right++) {
+        const int i = right ? b->right[f] : b->left[f];
+        if (i < 0) continue;
+        const double rho = x->bed.lines->rho[i], s = (rho * packing_per_density(&x->material) - 0.5) / 0.076;
+        const double here = p[i] + (across ? (right ? 0.5 : -0.5) * rho * g : 0);
+        carried = larger(carried, smaller(larger(s, 0), 1) * here);
+        P = larger(P, here);
+        heavy = larger(heavy, rho);
+        light = smaller(light, rho);
+        depth += 0.5;
+    }
+    const double weight = heavy * g * depth, k = light > 0.5 * x->bed.limit ? 0.5 : 0;
+    return carried > 0 ? 0.38 * carried + 0.1 + k * weight * larger(0, 1 - P / (2 * weight)) : 0;
+}
+
+/* Stress beyond the yield stress falls to it at once, whatever stands beside a face. */
+static void test_stress_falls_to_the_yield_stress(void **state) {
+    (void)state;
+    enum { N = 54 };
+    const double g = 3, gravity[MAX_DIM] = {0, -g}, kinds[] = {THIN, 0.34, 0.53, PACKED};
+    double p[N];
+    int yields = 0;
+    struct box x;
+    unsigned seed = 4;
+    bool done;
+    struct box_form f = {.n = {6, 9, 1}, .width = 1, .friction = law("muI", 0.38)};
+    f.friction.params.cohesion = 0.1;
+    f.friction.params.surface_cohesion = 0.5;
+    make(&x, &f);
+    for (int i = 0; i < N; i++) {
+        set_moving(&x, i, kinds[(int)(4 * chance(&seed))], 1, (const double[]){0, 0});
+        x.bed.set.pressure[i] = p[i] = 2 + 8 * chance(&seed);
+    }
+    for (int e = 0; e < x.bed.set.faces; e++) {
+        x.bed.set.wall_friction[e] = x.bed.set.kind[e] == BED_WALL ? HUGE_VAL : 0;
+        x.bed.set.stress[1][e] = 1e3;
+    }
+    ok(bed_step(&x.bed, 1e-12, gravity, &done));
+    for (int e = 0; e < x.bed.set.faces; e++) {
+        const double want = yield_of_face(&x, p, e, g);
+        assert_true(fabs(x.bed.set.stress[1][e] - want) < 1e-9);
+        yields += want > 0;
+    }
+    assert_true(yields > 50);
+    box_free(&x);
+}
+
 /* Packed gas that is sheared and shaken, on rough walls. */
 static void set_shaken(struct box *x, unsigned seed) {
     for (int i = 0; i < x->bed.set.cells; i++) {
@@ -422,6 +502,31 @@ static void test_a_layer_rests_below_the_angle(void **state) {
     box_free(&x);
 }
 
+/* The same on triangles, whose cells have forces of their own, other than those of their faces: the faces' velocities,
+ * which carry the gas, are 0, too. */
+static void test_triangles_rest_below_the_angle(void **state) {
+    (void)state;
+    const double gravity[MAX_DIM] = {0.3, -1}, one = 1;
+    struct box x;
+    make(&x, &(struct box_form){
+                 .n = {6, 6, 1}, .width = 1, .periodic = {true}, .triangles = true, .friction = law("muI", 0.38)});
+    const double rho = PACKED / packing_per_density(&x.material);
+    double p, c2, gruneisen;
+    x.bed.eos->state(&x.material, 1, &rho, &one, &p, &c2, &gruneisen);
+    for (int i = 0; i < x.bed.set.cells; i++) {
+        const double eps = rho * (10 + gravity[1] * x.centre[i][1]) / p;
+        set_moving(&x, i, PACKED, temperature_of(&x.material, eps), (const double[]){0, 0, 0});
+    }
+    for (int f = 0; f < x.bed.set.faces; f++)
+        if (x.bed.set.kind[f] == BED_WALL && x.shapes.normal[1][x.bed.set.shape[f]] < 0)
+            x.bed.set.wall_friction[f] = HUGE_VAL;
+    for (int n = 0; n < 160; n++) step(&x, 0.05, gravity);
+    for (int i = 0; i < x.bed.set.cells; i++)
+        for (int k = 0; k < 2; k++) assert_true(fabs(x.bed.set.U[k + 1][i]) < 1e-14 * x.bed.set.U[0][i]);
+    for (int f = 0; f < x.bed.set.faces; f++) assert_true(fabs(x.bed.lines->U[f]) < 1e-14);
+    box_free(&x);
+}
+
 /* On a floor that is smoother than the grains it slides as a block, with g sin less what the floor bears times mu. The
  * yield is that of the step before, so friction is too large by the change of the velocity in a step over it. */
 static void test_a_layer_slides_on_a_smooth_floor(void **state) {
@@ -439,6 +544,24 @@ static void test_a_layer_slides_on_a_smooth_floor(void **state) {
     const double bottom = x.bed.set.U[1][0] / x.bed.set.U[0][0], top = x.bed.set.U[1][39] / x.bed.set.U[0][39];
     assert_true(bottom > 20 && fabs(top - bottom) < 1e-4 * top);
     box_free(&x);
+}
+
+/* A step of more than 1000 stages is not made, and ends soon also where pressures are beyond all bounds. */
+static void test_too_long_steps_fail(void **state) {
+    (void)state;
+    const double none[MAX_DIM] = {0};
+    for (int k = 0; k < 2; k++) {
+        struct box x;
+        bool done = true;
+        struct box_form f = SHAKEN[0];
+        f.friction = law("muI", 0.38);
+        make(&x, &f);
+        set_shaken(&x, 3);
+        if (k == 1) x.bed.set.pressure[5] = HUGE_VAL;
+        ok(bed_step(&x.bed, k == 0 ? 1e4 : 0.2, none, &done));
+        assert_false(done);
+        box_free(&x);
+    }
 }
 
 /* Sets a bed of many like layers to the same random state as one of the first `cells` alone, which moves along some
@@ -525,9 +648,13 @@ int main(void) {
         cmocka_unit_test(test_strain_at_smooth_walls_is_exact),
         cmocka_unit_test(test_force_of_bent_velocities_is_exact),
         cmocka_unit_test(test_pressure_and_weight_act_beside_friction),
+        cmocka_unit_test(test_sheared_gas_has_the_yield_stress),
+        cmocka_unit_test(test_stress_falls_to_the_yield_stress),
         cmocka_unit_test(test_momentum_and_energy),
+        cmocka_unit_test(test_too_long_steps_fail),
         cmocka_unit_test(test_missing_axes),
         cmocka_unit_test(test_a_layer_rests_below_the_angle),
+        cmocka_unit_test(test_triangles_rest_below_the_angle),
         cmocka_unit_test(test_a_layer_slides_on_a_smooth_floor),
     };
     return cmocka_run_group_tests(tests, start, finish);

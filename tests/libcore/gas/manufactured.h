@@ -110,8 +110,8 @@ static inline void manufactured_diffusion(const struct manufactured *m, const do
     double rho, u[3], T, bulk, shear, heat, cross, steep, spread = 0;
     manufactured_fields(x, &rho, u, &T);
     models->transport->coefficients(&models->transport_params,
-                                    &(struct closure_line){models->eos, grains, 1, &rho, &T, NULL, NULL}, &bulk, &shear,
-                                    &heat);
+                                    &(struct closure_line){models->eos, grains, 1, &rho, &T, NULL, NULL, false}, &bulk,
+                                    &shear, &heat);
     for (int a = 0; a < m->dim; a++) spread += a == k || !terms.diagonal ? d[a][a] : 0;
     for (int c = 0; c < m->components; c++) {
         const double lambda = bulk - (grains->disks ? 1 : 2. / 3) * shear;
@@ -123,7 +123,7 @@ static inline void manufactured_diffusion(const struct manufactured *m, const do
     out[energy] -= heat * d[k][3];
     if (!terms.cross) return;
     models->transport->cross(&models->transport_params,
-                             &(struct closure_line){models->eos, grains, 1, &rho, &T, NULL, NULL}, &cross);
+                             &(struct closure_line){models->eos, grains, 1, &rho, &T, NULL, NULL, false}, &cross);
     manufactured_derivative(manufactured_density, NULL, 1, k, x, &steep);
     out[energy] -= cross * steep;
 }
@@ -160,7 +160,7 @@ static inline double manufactured_dilated(const struct gas_models *models, int d
         spread += d[a];
     }
     models->transport->dilation(&models->transport_params,
-                                &(struct closure_line){models->eos, &models->material, 1, &rho, &T, NULL, NULL},
+                                &(struct closure_line){models->eos, &models->material, 1, &rho, &T, NULL, NULL, false},
                                 &dilation);
     return dilation * spread;
 }

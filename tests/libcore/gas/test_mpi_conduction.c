@@ -19,10 +19,10 @@ static void slopes(const struct gas_models *m, const double q[2], double out[2])
     double p, c2, gruneisen, bulk, shear, heat, cross;
     m->eos->state(&m->material, 1, &q[0], &eps, &p, &c2, &gruneisen);
     m->transport->coefficients(&m->transport_params,
-                               &(struct closure_line){m->eos, &m->material, 1, &q[0], &q[1], NULL, NULL}, &bulk, &shear,
-                               &heat);
-    m->transport->cross(&m->transport_params, &(struct closure_line){m->eos, &m->material, 1, &q[0], &q[1], NULL, NULL},
-                        &cross);
+                               &(struct closure_line){m->eos, &m->material, 1, &q[0], &q[1], NULL, NULL, false}, &bulk,
+                               &shear, &heat);
+    m->transport->cross(&m->transport_params,
+                        &(struct closure_line){m->eos, &m->material, 1, &q[0], &q[1], NULL, NULL, false}, &cross);
     const double per_rho = c2 - p * gruneisen / q[0], per_T = p / q[1], det = heat * per_rho - cross * per_T;
     out[1] = (-FLUX * per_rho + cross * q[0] * weight) / det;
     out[0] = (-heat * q[0] * weight + FLUX * per_T) / det;

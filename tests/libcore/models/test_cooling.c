@@ -133,7 +133,7 @@ static void every_law_is_safe(void **state) {
                 const struct own_params params = own_defaults(&cooling_table[i].model);
                 double rho[BATCH], shear_rate[BATCH], eps[BATCH], alone = T;
                 for (int k = 0; k < BATCH; k++) rho[k] = DENSE, shear_rate[k] = 1, eps[k] = T;
-                struct closure_line cells = {gs, &GRAINS, BATCH, rho, NULL, shear_rate, NULL};
+                struct closure_line cells = {gs, &GRAINS, BATCH, rho, NULL, shear_rate, NULL, false};
                 cooling_table[i].step(&params, &cells, dt, eps);
                 cells.n = 1;
                 cooling_table[i].step(&params, &cells, dt, &alone);

@@ -20,7 +20,7 @@ static void reference_values(void **state) {
         struct material m = grains_of(eos, oracle_number(&r, 0), 1);
         const double nu = oracle_number(&r, 1), tolerance = 1e-12 + 4e-16 * nu / (m.alpha_max - nu);
         double rho = nu / packing_per_density(&m), T = 1, bulk, shear, heat, hot[3];
-        const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL, NULL};
+        const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL, NULL, false};
         t->coefficients(&own, &cells, &bulk, &shear, &heat);
         assert_close(bulk, oracle_number(&r, 8), tolerance, "bulk");
         assert_close(shear, oracle_number(&r, 9), tolerance, "shear");
@@ -53,7 +53,7 @@ static void garzo_dufty_values(const char *file, const char *eos_name, double sh
         const double nu = larger(oracle_number(&r, 1), 1e-15);
         const double tolerance = 1e-12 + 4e-16 * nu / (m.alpha_max - nu), low = oracle_number(&r, 1) == 0 ? 1e-13 : 0;
         double rho = nu / packing_per_density(&m), T = 4, bulk, shear, heat, cross, zeta[2];
-        const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL, NULL};
+        const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL, NULL, false};
         t->coefficients(&own, &cells, &bulk, &shear, &heat);
         t->cross(&own, &cells, &cross);
         t->dilation(&own, &cells, &zeta[0]);
@@ -94,7 +94,7 @@ static void ends_of_the_range(void **state) {
         struct material m = grains_of(eos, 0.75, 0.01);
         struct own_params own = own_defaults(&t->model);
         double nu[4] = {1e-4, 1e-9, 0.9999 * m.alpha_max, 1.5}, rho[4], T[4] = {1, 1, 1, 1}, out[3][4], cross[4];
-        const struct closure_line cells = {eos, &m, 4, rho, T, NULL, NULL};
+        const struct closure_line cells = {eos, &m, 4, rho, T, NULL, NULL, false};
         for (int i = 0; i < 4; i++) rho[i] = nu[i] / packing_per_density(&m);
         t->coefficients(&own, &cells, out[0], out[1], out[2]);
         for (int k = 0; k < 3; k++)
@@ -118,7 +118,7 @@ static void knudsen_cut(void **state) {
     cut = own;
     model_put(&t->model, &cut, "knudsenCut", 0.01);
     double rho = 0.02 / packing_per_density(&m), T = 3, whole[5], left[5];
-    const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL, NULL};
+    const struct closure_line cells = {eos, &m, 1, &rho, &T, NULL, NULL, false};
     t->coefficients(&own, &cells, &whole[0], &whole[1], &whole[2]);
     t->cross(&own, &cells, &whole[3]);
     t->dilation(&own, &cells, &whole[4]);
@@ -141,10 +141,10 @@ static void batch_is_a_loop(void **state) {
     for (int k = 0; k < transport_count; k++) {
         struct own_params own = own_defaults(&transport_table[k].model);
         for (int n = 1; n <= BATCH; n += 9) {
-            const struct closure_line cells = {eos, &m, n, rho, T, T, NULL};
+            const struct closure_line cells = {eos, &m, n, rho, T, T, NULL, false};
             transport_table[k].coefficients(&own, &cells, bulk, shear, heat);
             for (int i = 0; i < n; i++) {
-                const struct closure_line one = {eos, &m, 1, rho + i, T + i, T + i, NULL};
+                const struct closure_line one = {eos, &m, 1, rho + i, T + i, T + i, NULL, false};
                 double b, s, h;
                 transport_table[k].coefficients(&own, &one, &b, &s, &h);
                 assert_true(b == bulk[i] && s == shear[i] && h == heat[i]);

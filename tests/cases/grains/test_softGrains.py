@@ -1,0 +1,374 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""granularDEM through the real program, with LAMMPS: single impacts beside an independent integration, rolling, energy, restarts to the
+bit, joints of walls, fields against grains and contacts, errors. Without lmp all is skipped but the errors of the case."""
+import os
+import re
+import shutil
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.grains import test_particles as hard
+from tests.cases.harness import boxes
+
+from haff.case import grains  # noqa: E402
+
+LAMMPS = shutil.which("lmp")
+MISSING = "the program lmp is not installed (Debian: apt-get install lammps)"
+D = 1e-3
+RHO = 2600.0
+MASS = RHO * np.pi / 6 * D**3
+E, NU, A = 5e9, 0.3, 5e-8
+STIFF = E / (2 * (1 - NU**2))
+VISCOUS = f"type hertz; youngsModulus {E}; poissonsRatio {NU}; dissipation {A};"
+WALLS = {"x": "cyclic", "y": "wall", "z": "cyclic"}
+
+
+def make(case, contact, cells=(8, 8, 8), size=(8e-3, 8e-3, 8e-3), wall="slip", positions=None, U=None, spin=None, more="", **options):
+    """Spheres of 1 mm in a box; walls at the ends of axes that are not cyclic."""
+    options = {"types": WALLS, "alpha": 0.01, "T": 0, "e": 1, "format": "ascii", **options}
+    hard.make(case, cells=cells, size=size, particles=f"contact {{ {contact} }}\n{more}", **options)
+    harness.edit(case, "system/controlDict", application="granularDEM")
+    harness.edit(case, "constant/granularProperties", grain=f"{{ diameter {D}; mass {MASS:.17g}; restitution {options['e']}; }}")
+    if wall != "slip":
+        path = os.path.join(case, "0", "U")
+        with open(path) as f:
+            text = f.read().replace("type slip", f"type {wall}")
+        with open(path, "w") as f:
+            f.write(text)
+    if positions is not None:
+        hard.cloud(case, [(*x, 0) for x in positions], [tuple(u) for u in U])
+        if spin is not None:
+            with open(os.path.join(case, "0", "lagrangian", "grains", "omega"), "w") as f:
+                f.write(boxes.header("vectorField", "omega", "0/lagrangian/grains") + f"{len(spin)}\n(\n" + "\n".join("(%.17g %.17g %.17g)" % tuple(w) for w in spin) + "\n)\n")
+    return case
+
+
+def solve(case, *more):
+    return harness.program("granularDEM", "-case", case, *more).stdout
+
+
+def end(case, time):
+    cloud = grains.read(harness.haff.Case(case), time)
+    order = np.argsort(cloud["id"])
+    return {key: value[order] for key, value in cloud.items()}
+
+
+def table(case):
+    """Rows of grains.dat, and the column of each title."""
+    path = os.path.join(case, "postProcessing", "grains", "0", "grains.dat")
+    with open(path) as f:
+        names = [line for line in f if line.startswith("# Time")][0].split()[1:]
+    return np.loadtxt(path), {name: i for i, name in enumerate(names)}
+
+
+def duration(radius, mass, speed):
+    return 2.87 * (mass**2 / (radius * STIFF**2 * speed)) ** 0.2
+
+
+def restitution(radius, mass, speed, steps=4000):
+    """e of a viscoelastic impact, by the classical Runge-Kutta scheme for the overlap."""
+    K = 4 / 3 * STIFF * np.sqrt(radius)
+
+    def rate(y):
+        d = max(y[0], 0.0)
+        return np.array([y[1], -K * (d**1.5 + 1.5 * A * np.sqrt(d) * y[1]) / mass])
+    h, y = duration(radius, mass, speed) / steps, np.array([0.0, speed])
+    while True:
+        k1 = rate(y)
+        k2 = rate(y + h / 2 * k1)
+        k3 = rate(y + h / 2 * k2)
+        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + h * k3))
+        if y[0] <= 0:
+            return -y[1] / speed
+
+
+@unittest.skipUnless(LAMMPS, MISSING)
+class Impacts(harness.Folder, unittest.TestCase):
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def head_on(self, name, contact, kind, speed, fraction=0.0025, more=""):
+        """e of a pair or of a wall in one impact. The tests' own walls of particleProperties have no restitution of their own."""
+        time = duration(D / 4 if kind == "pair" else D / 2, MASS / 2 if kind == "pair" else MASS, speed)
+        if "stiffness" in contact:
+            time = np.pi * np.sqrt((MASS / 2 if kind == "pair" else MASS) / float(re.search(r"stiffness ([\d.e]+)", contact)[1]))
+        stop = float("%.6g" % (2 * time))
+        if kind == "pair":
+            x, u = [(3e-3, 4e-3, 4e-3), (3e-3 + D + 1e-9, 4e-3, 4e-3)], [(speed / 2, 0, 0), (-speed / 2, 0, 0)]
+        else:
+            x, u = [(4e-3, D / 2 + 1e-9, 4e-3)], [(0, -speed, 0)]
+        case = make(self.path(name), f"{contact} impactSpeed {speed}; timeStepFraction {fraction};", positions=x, U=u, end=stop, interval=stop, more=more)
+        solve(case)
+        after = end(case, harness.haff.Case(case).times[-1])["U"]
+        return (after[1, 0] - after[0, 0]) / speed if kind == "pair" else after[0, 1] / speed
+
+    def test_viscoelastic(self):
+        """Finding L1: walls by hertz/material would be off by 2.5e-3 to 4e-3."""
+        known = {("pair", 0.1): 0.979875, ("pair", 1): 0.968329, ("wall", 0.01): 0.988885, ("wall", 0.1): 0.982453, ("wall", 1): 0.972360}
+        for (kind, speed), value in known.items():
+            exact = restitution(*((D / 4, MASS / 2) if kind == "pair" else (D / 2, MASS)), speed)
+            self.assertAlmostEqual(exact, value, delta=2e-6)
+            e = self.head_on(f"viscous {kind} {speed}", VISCOUS, kind, speed)
+            self.assertAlmostEqual(e, exact, delta=1e-4, msg=f"{kind}, {speed} m/s")
+
+    def test_restitution(self):
+        """Finding L2: LAMMPS's own coefficient gives 0.928 in place of 0.9. Of a wall its own one counts."""
+        hertz, linear = f"type hertz; youngsModulus {E};", "type linear; stiffness 1e5;"
+        for n, (contact, kind, e, own) in enumerate(((hertz, "pair", 0.9, None), (hertz, "wall", 0.5, None), (hertz, "wall", 0.9, 0.3),
+                                                     (linear, "pair", 0.7, None), (linear, "wall", 0.9, 0.5), (hertz, "pair", 1, None))):
+            more = f"walls {{ yLow {{ restitution {own}; }} }}\n" if own else ""
+            found = self.head_on(f"given {n}", f"{contact} restitution {e};", kind, 0.3, more=more)
+            exact = own or e
+            if "linear" in contact:  # a linear spring is left at overlap 0, where the damper still pulls
+                loss = -np.log(exact) / np.pi
+                exact = np.exp(-loss * np.pi)
+            self.assertAlmostEqual(found, exact, delta=1e-3, msg=f"{contact} {kind} {exact}")
+
+    def test_written_before(self):
+        """LAMMPS changes the coefficient of a wall with Tsuji's damper whenever it is set up: after two written times e would be 0.6."""
+        case = make(self.path("written"), f"type hertz; youngsModulus {E}; restitution 0.5; impactSpeed 0.3; timeStepFraction 0.0025;",
+                    positions=[(4e-3, D / 2 + 3e-6, 4e-3)], U=[(0, -0.3, 0)], end=1.2e-4, interval=4e-6)
+        solve(case)
+        self.assertAlmostEqual(end(case, "0.00012")["U"][0, 1] / 0.3, 0.5, delta=1e-3)
+
+    def test_oblique(self):
+        """On a wall at 1 m/s, mu 0.5: normal and tangential speed and spin, by an integration with h = 1e-9 s of another program."""
+        known = {20: (0.914036, 0.233131, 0.272222), 45: (0.688851, 0.408419, 0.746720), 70: (0.334368, 0.609164, 0.826321), 85: (0.085667, 0.909783, 0.216030)}
+        for angle, exact in known.items():
+            a = np.radians(angle)
+            case = make(self.path(f"oblique {angle}"), VISCOUS + "friction 0.5; tangentialStiffness 1e5; tangentialDamping 0.5; impactSpeed 1; timeStepFraction 0.0025;",
+                        wall="noSlip", positions=[(4e-3, D / 2 + 1e-9, 4e-3)], U=[(np.sin(a), -np.cos(a), 0)], end=6e-5, interval=6e-5)
+            solve(case)
+            after = end(case, "6e-05")
+            found = (after["U"][0, 1], after["U"][0, 0], -after["omega"][0, 2] * D / 2)
+            np.testing.assert_allclose(np.abs(found), exact, atol=1e-4, err_msg=f"{angle} degrees")
+
+    def test_rolling(self):
+        """A sphere that slides with friction on a plate slows down by mu g until it rolls at 5/7 of its speed."""
+        v, mu, g = 0.1, 0.5, 9.81
+        stiff = "type linear; stiffness 200; restitution 0.5;"
+        rest = D / 2 - MASS * g / 200
+        stop = 2 * v / (7 * mu * g)
+        case = make(self.path("rolling"), f"{stiff} friction {mu}; tangentialDamping 0.5; impactSpeed 0.1; timeStepFraction 0.002;", wall="noSlip", positions=[(4e-3, rest, 4e-3)], U=[(v, 0, 0)], g=(0, -g, 0),
+                    end=float("%.6g" % (2.5 * stop)), interval=float("%.6g" % (0.5 * stop)))
+        solve(case)
+        times = harness.haff.Case(case).times[1:]
+        slow = end(case, times[0])
+        self.assertAlmostEqual(slow["U"][0, 0] / (v - mu * g * float(times[0])), 1, delta=1e-4)
+        last = end(case, times[-1])
+        self.assertAlmostEqual(last["U"][0, 0] / (5 / 7 * v), 1, delta=1e-4)
+        self.assertAlmostEqual(-last["omega"][0, 2] * D / 2 / last["U"][0, 0], 1, delta=1e-3)
+
+    def test_moving_wall(self):
+        """A sphere that lies on a plate in motion is dragged along until it rolls at 2/7 of the plate's speed; the plate's work is what it gets and loses."""
+        v, mu, g, k = 0.1, 0.5, 9.81, 200
+        stop = 2 * v / (7 * mu * g)
+        case = make(self.path("moving"), f"type linear; stiffness {k}; restitution 0.5; friction {mu}; tangentialDamping 0.5; impactSpeed 0.1; timeStepFraction 0.005;",
+                    wall=f"translatingWallVelocity; U ({v} 0 0); value uniform ({v} 0 0)", positions=[(4e-3, D / 2 - MASS * g / k, 4e-3)], U=[(0, 0, 0)],
+                    g=(0, -g, 0), end=float("%.6g" % (2.5 * stop)), interval=float("%.6g" % (0.5 * stop)), more="coarseGraining { samples 400; }")
+        solve(case)
+        times = harness.haff.Case(case).times[1:]
+        self.assertAlmostEqual(end(case, times[0])["U"][0, 0] / (mu * g * float(times[0])), 1, delta=1e-3)
+        self.assertAlmostEqual(end(case, times[-1])["U"][0, 0] / (2 / 7 * v), 1, delta=1e-3)
+        row, at = table(case)
+        has = sum(row[-1, at[key]] for key in ("kinetic", "spin", "potential", "normalSpring", "tangentSpring")) - row[0, at["potential"]]
+        lost = sum(row[-1, at[key]] for key in ("lostNormal", "lostTangential", "lostFriction"))
+        self.assertAlmostEqual((has + lost) / row[-1, at["wallWork"]], 1, delta=0.02)
+
+    def test_joint(self):
+        """Finding L3: two patches of one plane that meet are one wall; a sphere on their joint feels it once."""
+        case = make(self.path("joint"), f"type hertz; youngsModulus {E}; restitution 0.9; impactSpeed 1;", positions=[(4.02e-3, D / 2 + 1e-9, 4e-3)], U=[(0, -1, 0)], end=6e-5, interval=6e-5)
+        path = os.path.join(case, "constant", "polyMesh", "boundary")
+        with open(path) as f:
+            text = f.read()
+        first = int(re.search(r"yLow\s*\{[^}]*startFace\s+(\d+)", text)[1])
+        found = re.search(r"yLow\s*\{([^}]*)\}", text)
+        half = re.sub(r"nFaces\s+64", "nFaces 32", found[0])
+        other = re.sub(rf"startFace\s+{first}", f"startFace {first + 32}", half).replace("yLow", "yMore")
+        count = int(re.search(r"^(\d+)\s*\(", text, re.M)[1])
+        text = re.sub(rf"^{count}(\s*\()", rf"{count + 1}\1", text, flags=re.M).replace(found[0], half + "\n" + other)
+        with open(path, "w") as f:
+            f.write(text)
+        for name in ("alpha", "T", "U"):
+            harness.dictionary.edit(os.path.join(case, "0", name), {"+boundaryField/yMore": "{ type %s; }" % ("slip" if name == "U" else "zeroGradient")})
+        solve(case)
+        u = end(case, "6e-05")["U"][0]
+        self.assertAlmostEqual(u[1], 0.9, delta=1e-3)
+        self.assertLess(abs(u[0]) + abs(u[2]), 1e-9)
+
+
+@unittest.skipUnless(LAMMPS, MISSING)
+class Beds(harness.Folder, unittest.TestCase):
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def bed(self, name, **options):
+        """A bed of 150 rough spheres that settles."""
+        more = options.pop("more", "")
+        options = {"types": {"x": "wall", "y": "wall", "z": "cyclic"}, **options}
+        return make(self.path(name), "type linear; stiffness 200; restitution 0.6; friction 0.5; tangentialDamping 0.5;", wall="noSlip", alpha=0.2,
+                    T=1e-3, g=(1, -9.81, 0), more=f"N 150; seed 4;\n{more}", **options)
+
+    def same(self, one, other, at):
+        a, b = (end(case, at) for case in (one, other))
+        for key in ("x", "U", "omega"):
+            self.assertTrue(np.array_equal(a[key], b[key]), f"{key} at {at}: {np.abs(a[key] - b[key]).max()}")
+
+    def test_restart(self):
+        """To the bit at written times, with the springs of contacts and of walls: without these, 1e-5 m after 0.02 s."""
+        whole, parts, bare = (self.bed(n, end=0.09, interval=0.03) for n in ("whole", "parts", "bare"))
+        self.assertIn("put in place at random", solve(whole))
+        for stop in (0.03, 0.06, 0.09):
+            harness.edit(parts, "system/controlDict", endTime=stop)
+            self.assertIn("to the bit" if stop > 0.03 else "put in place", solve(parts))
+        self.same(whole, parts, "0.09")
+        for field in ("alpha", "U", "T", "p"):
+            self.assertTrue(np.array_equal(harness.haff.Case(whole).field(field, "0.09"), harness.haff.Case(parts).field(field, "0.09")), field)
+        shutil.copytree(os.path.join(whole, "0.06"), os.path.join(bare, "0.06"))
+        shutil.rmtree(os.path.join(bare, "0"))
+        os.remove(os.path.join(bare, "0.06", "uniform", "lammps"))
+        os.remove(os.path.join(bare, "0.06", "uniform", "checksums"))
+        solve(bare)
+        self.assertGreater(np.abs(end(whole, "0.09")["x"] - end(bare, "0.09")["x"]).max(), 1e-8)
+
+    def test_samples(self):
+        """Looking at the grains does not move them: more samples, the same steps."""
+        few, many = (self.bed(n, end=0.03, interval=0.03, more="coarseGraining { samples %d; window %g; }" % how) for n, how in (("few", (1, 0.015)), ("many", (2, 0.03))))
+        for case in (few, many):  # samples at 7.5 and 22.5 ms
+            solve(case)
+        self.same(few, many, "0.03")
+
+    def test_budget(self):
+        """With samples as dense as the steps of contacts, what dampers and friction took closes the energy to the order of the step."""
+        worst = {}
+        for samples in (500, 2000):
+            case = self.bed(f"budget {samples}", end=0.02, interval=0.02, more="coarseGraining { samples %d; }" % samples)
+            solve(case)
+            rows, column = table(case)
+            at = {name: rows[:, i] for name, i in column.items()}
+            has = sum(at[k] for k in ("kinetic", "spin", "potential", "normalSpring", "tangentSpring"))
+            lost = sum(at[k] for k in ("lostNormal", "lostTangential", "lostFriction"))
+            worst[samples] = np.abs(has + lost - has[0])[-1] / lost[-1]
+            self.assertTrue(all(at[k][-1] > 0 for k in ("lostNormal", "lostTangential", "lostFriction")))
+        self.assertLess(worst[2000], 0.02, worst)
+
+    def test_fields(self):
+        """The mass of all grains; the weight of the bed on the floor, and in the stress at the floor."""
+        case = self.bed("fields", end=0.5, interval=0.25, more="coarseGraining { window 0.25; samples 20; }")
+        harness.edit(case, "constant/g", value="(0 -9.81 0)")
+        solve(case)
+        found = harness.haff.Case(case)
+        cell = 1e-9
+        self.assertAlmostEqual(float(np.sum(found.field("rho", "0.5"))) * cell / (150 * MASS), 1, places=9)
+        rows, column = table(case)
+        upwards = [i for n, i in column.items() if n.startswith("force") and n.endswith("_y")]
+        force = np.sum(rows[rows[:, 0] > 0.3][:, upwards], axis=1)
+        self.assertAlmostEqual(float(np.mean(force)) / (-150 * MASS * 9.81), 1, delta=0.002)
+
+    def test_stress(self):
+        """By the virial theorem the vertical stress of a bed at rest, summed over all cells, is the sum of weight times height; p is a third of the
+        trace, and the mean spin that of the grains."""
+        case = self.bed("stress", end=0.4, interval=0.2, more="coarseGraining { window 100; }", types=WALLS)
+        harness.edit(case, "constant/g", value="(0 -9.81 0)")
+        solve(case)
+        found, cloud = harness.haff.Case(case), end(case, "0.4")
+        along = found.field("pComponents", "0.4")
+        np.testing.assert_allclose(found.field("p", "0.4"), along.mean(axis=1), rtol=1e-4, atol=1e-9)
+        self.assertAlmostEqual(1e-9 * along[:, 1].sum() / (MASS * 9.81 * cloud["x"][:, 1].sum()), 1, delta=2e-3)
+        self.assertLess(np.abs(found.field("pShear", "0.4").sum(axis=0)).max(), 0.2 * along[:, 1].sum())
+        cells = np.floor(cloud["x"] * 1e3 + 1e-9).astype(int)
+        own = cells[:, 0] + 8 * (cells[:, 1] + 8 * cells[:, 2])
+        mean = np.array([cloud["omega"][own == i].mean(axis=0) if (own == i).any() else np.zeros(3) for i in range(512)])
+        np.testing.assert_allclose(found.field("omega", "0.4"), mean, rtol=1e-5, atol=1e-7)
+
+    def test_elastic(self):
+        """Elastic spheres in a box: the energy of motion between impacts is that of the start, the momentum of a periodic box stays."""
+        case = make(self.path("elastic"), f"type hertz; youngsModulus {E}; restitution 1; timeStepFraction 0.02;", more="N 100; seed 2;\n", alpha=0.1, T=0.02,
+                    types={"x": "cyclic", "y": "cyclic", "z": "cyclic"}, end=0.02, interval=0.02)
+        solve(case)
+        rows, at = table(case)
+        with_springs = rows[:, at["kinetic"]] + rows[:, at["spin"]] + rows[:, at["normalSpring"]]
+        self.assertLess(np.abs(with_springs / with_springs[0] - 1).max(), 1e-3)
+        self.assertLess(np.abs(rows[:, at["momentum_x"]:at["momentum_z"] + 1]).max(), 1e-12 * np.sqrt(2 * MASS * 100 * with_springs[0]))
+
+    def test_hard_limit(self):
+        """The same start and e, stiffer and stiffer: the cooling tends to that of hard spheres like E^(-2/5); with 1e8 Pa to 1 %."""
+        cooled, rate = {}, {}
+        for name, young in (("hard", 1e8), ("soft", 1e6), ("stiff", 1e8)):
+            case = make(self.path(name), f"type hertz; youngsModulus {young}; restitution 0.8;", cells=(8, 8, 8), size=(0.02, 0.02, 0.02), e=0.8, T=0.01, alpha=0.2,
+                        types={"x": "cyclic", "y": "cyclic", "z": "cyclic"}, end=0.01, interval=0.01, more="N 3000; seed 7; coarseGraining { samples 4; }\n")
+            if name == "hard":
+                harness.edit(case, "system/controlDict", application="granularMD", **{"+maxDeltaT": 0.00125})  # a row of the table at each sample
+                harness.program("granularMD", "-case", case)
+            else:
+                solve(case)
+            rows, at = table(case)
+            cooled[name] = np.log(0.01 / np.interp(0.00875, rows[:, 0], rows[:, at["T"]]))
+        for name in ("soft", "stiff"):
+            rate[name] = cooled[name] / cooled["hard"]
+        print("cooling over that of hard spheres", rate)
+        self.assertLess(rate["soft"], 0.97)
+        self.assertLess(abs(rate["stiff"] - 1), 0.01, rate)
+
+    def test_ranks(self):
+        """On two ranks LAMMPS adds in another order: the same motion to round-off for some impacts."""
+        one, two = (self.bed(n, end=0.005, interval=0.005) for n in ("one rank", "two ranks"))
+        solve(one)
+        self.assertIn("moved by LAMMPS on 2 ranks", solve(two, "-np", "2"))
+        self.assertLess(np.abs(end(one, "0.005")["x"] - end(two, "0.005")["x"]).max(), 1e-9)
+
+    def test_deck(self):
+        """The commands that a run leaves are those of LAMMPS itself."""
+        case = self.bed("deck", end=0.001, interval=0.001)
+        solve(case)
+        with open(os.path.join(case, "dem", "in.lammps")) as f:
+            text = f.read()
+        self.assertRegex(text, r"fix wall\d all wall/gran granular hooke \S+ \S+ tangential linear_history")
+        self.assertIn("pair_coeff * * hooke", text)
+
+
+class Errors(harness.Folder, unittest.TestCase):
+    def refused(self, pattern, contact="type hertz; youngsModulus 5e9;", check=True, wall="slip", **options):
+        name = os.path.join(self.folder, f"case {len(os.listdir(self.folder))}")
+        done = harness.program("checkCase", make(name, contact, wall=wall, T=1e-3, **options), check=False)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, pattern)
+
+    def test_contact(self):
+        self.refused(r"particleProperties:\d+: .*youngsModulus", "type hertz; friction 0.5;")
+        self.refused(r"particleProperties:\d+: keyword 'stiffness' is not used", "type hertz; youngsModulus 5e9; stiffness 100;")
+        self.refused(r"restitution is given, too; remove one of them", VISCOUS + "restitution 0.9;")
+        self.refused(r"allows 0.12 .. 1", "type hertz; youngsModulus 5e9; restitution 0.1;")
+        self.refused(r"timeStepFraction is 0.1; allowed is 0 .. 0.0666667", "type hertz; youngsModulus 5e9; timeStepFraction 0.1;")
+        self.refused(r"with  tangential mindlin;  it follows from youngsModulus", "type hertz; youngsModulus 5e9; tangential mindlin; tangentialStiffness 1;")
+        self.refused(r"grain 1 at .* overlaps a wall of patch yLow", positions=[(4e-3, 1e-4, 4e-3)], U=[(0, 0, 0)])
+
+    def test_walls(self):
+        self.refused(r"patch yLow: type is fixedValue; granularDEM has walls", wall="fixedValue; value uniform (0 1 0)")
+        self.refused(r"wide along its cyclic axis x; it must be 3 diameters", cells=(4, 4, 4), size=(2e-3, 8e-3, 8e-3))
+
+    @unittest.skipUnless(LAMMPS, MISSING)
+    def test_overlap(self):
+        case = make(os.path.join(self.folder, "overlap"), "type hertz; youngsModulus 5e9; impactSpeed 1;", positions=[(4e-3, 4e-3, 4e-3), (4.5e-3, 4e-3, 4e-3)], U=2 * [(0, 0, 0)])
+        done = harness.program("granularDEM", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, "grains 1 and 2 overlap by 0.5 diameters at the start")
+
+    def test_missing(self):
+        """Without lmp a case can be checked, with a warning; a run says which package is missing."""
+        case = make(os.path.join(self.folder, "missing"), "type hertz; youngsModulus 5e9;", T=1e-3)
+        path = os.environ["PATH"]
+        os.environ["PATH"] = harness.BIN
+        try:
+            self.assertIn("[noLammps]", harness.program("checkCase", case).stdout)
+            done = harness.program("granularDEM", "-case", case, check=False)
+        finally:
+            os.environ["PATH"] = path
+        self.assertEqual(done.returncode, 3)
+        self.assertRegex(done.stderr, "lmp was not found in PATH: on Debian, run  apt-get install lammps")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Beds with friction: slopes rest below their angle and flow above it, heaps stay, friction only takes energy. Restarts go on with the
+stress to the bit, from any number of ranks to any other, on a lattice and on triangles."""
+import math
+import os
+import re
+import shutil
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.harness import boxes
+from tests.cases.runtime import test_energyBudget as audit
+
+D, G, PACKED = 1e-3, 9.81, 0.9 * 0.64  # m, m/s^2
+SIZE = (20, 16, 1)  # of a collapse, in grain diameters
+CORNER = "x < 0.007 && y < 0.01 ? 0.6 : 1e-5"
+TRIANGLES = """L = 0.02; H = 0.016; Point(1) = {0, 0, 0}; Point(2) = {L, 0, 0}; Point(3) = {L, H, 0}; Point(4) = {0, H, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+Mesh.MeshSizeMin = 0.0017; Mesh.MeshSizeMax = 0.0017; Physical Surface("gas") = {1};
+Physical Curve("yLow") = {1}; Physical Curve("xHigh") = {2}; Physical Curve("yHigh") = {3}; Physical Curve("xLow") = {4};
+"""
+PROPERTIES = """grain { diameter 1e-3; mass 1.361356816555577e-6; restitution 0.9; thresholdSpeed 3e-3; }
+equationOfState TorquatoSpheres; TorquatoSpheresCoeffs { alphaMax 0.64; alphaFreezing 0.49; }
+cooling Haff;
+"""
+CONTROL = """application granularGas; startFrom latestTime; stopAt endTime; endTime %g; deltaT 1e-5; adjustTimeStep yes; maxCo 1;
+writeControl adjustableRunTime; writeInterval %g; writeFormat binary; timePrecision 8; runTimeModifiable no;
+"""
+KEPT = ["frictionPressure"] + ["frictionStress" + side for side in ("XLow", "XHigh", "YLow", "YHigh")]
+
+
+def bed(case, n, alpha, gravity, end, interval=None, floor="yLow", periodic="", friction="type muI;", schemes=""):
+    """Cold spheres in a box of cells of one diameter, whose walls slip but for the floor."""
+    boxes.write_mesh(case, n, tuple(D * k for k in n), {a: "cyclic" for a in periodic})
+    os.makedirs(case + "/0.orig")
+    for name, start in (("alpha", f'expression "{alpha}";'), ("T", "internalField uniform 1e-5;"), ("U", "internalField uniform (0 0 0);")):
+        wall = "slip" if name == "U" else "zeroGradient"
+        rules = "".join(f'"{a}.*" {{ type {"cyclic" if a in periodic else wall}; }}\n' for a in "xy")
+        rules += '"(z|front|back).*" { type empty; }\n' + (f"{floor} {{ type noSlip; }}\n" if name == "U" else "")
+        with open(f"{case}/0.orig/{name}", "w") as f:
+            f.write(boxes.header("volVectorField" if name == "U" else "volScalarField", name, "0.orig")
+                    + f"dimensions {boxes.DIMENSIONS[name]};\n{start}\nboundaryField {{ {rules} }}\n")
+    harness.write_dictionary(case, "system", "controlDict", CONTROL % (end, interval or end))
+    harness.write_dictionary(case, "system", "fvSchemes", "fluxScheme common; reconstruct WPENO5; timeScheme SSPRK43;\n" + schemes)
+    harness.write_dictionary(case, "system", "fvSolution", "acoustics { type automatic; }\n")
+    harness.write_dictionary(case, "constant", "granularProperties", PROPERTIES + (f"friction {{ {friction} }}\n" if friction else ""))
+    harness.write_dictionary(case, "constant", "g", "dimensions [0 1 -2 0 0 0 0]; value (%r %r %r);\n" % gravity)
+    return case
+
+
+def solve(case, ranks=1):
+    done = harness.program("granularGas", "-case", case, ranks=ranks)
+    return harness.haff.Case(case), done.stdout
+
+
+class Friction(harness.Folder, unittest.TestCase):
+    # ---- slopes ----
+
+    def slope(self, angle, end, **options):
+        a = math.radians(angle)
+        return bed(os.path.join(self.folder, f"slope{angle}{end}"), (4, 24, 1), "y < 0.015 ? 0.6 : 1e-6", (G * math.sin(a), -G * math.cos(a), 0.0), end,
+                   periodic="x", **options)
+
+    def speeds(self, result):
+        """max |u_x| and |u_y| over sqrt(g depth) of the rows that are packed and have a packed one above them."""
+        alpha, y = (v.reshape(24, 4) for v in (result.field("alpha"), result.centres[:, 1]))
+        rows = np.flatnonzero((alpha > PACKED).all(axis=1))
+        self.assertEqual(list(rows), list(range(14)), "the layer lies on the floor")
+        self.assertTrue((np.diff(y[:, 0]) > 0).all())
+        u = np.abs(result.field("U").reshape(24, 4, 3)[:13])
+        return u[..., 0].max() / math.sqrt(G * 0.015), u[..., 1].max() / math.sqrt(G * 0.015)
+
+    def test_slopes(self):
+        """tan 18 and tan 20 degrees are below muStatic = 0.38. Without cooling the bed keeps still, too."""
+        for angle in (18, 20):
+            with self.subTest(angle=angle):
+                case = self.slope(angle, 1.2)
+                result, log = solve(case)
+                self.assertNotRegex(log, "noFriction|dampedSound|are left out")
+                along, across = self.speeds(result)
+                self.assertLess(along, 1e-6)
+                self.assertLess(across, 1e-5, "it still contracts as it cools")
+                harness.edit(case, "constant/granularProperties", cooling="none")
+                harness.edit(case, "system/controlDict", endTime=1.6)
+                along, across = self.speeds(solve(case)[0])
+                self.assertLess(max(along, across), 1e-6)
+
+    def test_bagnold(self):
+        """Above its angle the layer speeds up to Bagnold's profile with the I at which mu(I) = tan 22 degrees; two cells at the surface aside."""
+        result, _ = solve(self.slope(22, 1.0))
+        a = math.radians(22)
+        inertia = 0.279 / ((0.64 - 0.38) / (math.tan(a) - 0.38) - 1)
+        alpha, u = (v.reshape(24, 4)[:, 0] for v in (result.field("alpha"), result.field("U")[:, 0]))
+        depth, y = alpha.sum() * D / 0.64, (np.arange(12) + 0.5) * D
+        exact = 2 / 3 * inertia / D * math.sqrt(0.64 * G * math.cos(a)) * (depth ** 1.5 - (depth - y) ** 1.5)
+        np.testing.assert_allclose(u[:12], exact, rtol=0.02)
+
+    # ---- a heap ----
+
+    def test_heap(self):
+        """The case heap2D in 32 x 24 cells on a rough floor: without friction it sloshes to and fro, about 16 mm. Friction takes energy in every
+        step, and what the budget cannot explain is round-off."""
+        case = harness.copy("heap2D", self.folder)
+        harness.mesh(case, 32)
+        with open(case + "/0.orig/U") as f:
+            text = f.read()
+        with open(case + "/0.orig/U", "w") as f:
+            f.write(text.replace('"(floor|sides|lid)" { type slip; }', 'floor { type noSlip; } "(sides|lid)" { type slip; }'))
+        runs.add(case, "constant/granularProperties", "friction { type muI; }\n")
+        audit.ask(case)
+        harness.edit(case, "system/controlDict", endTime=0.5, writeInterval=0.1)
+        result, log = solve(case)
+        self.assertNotIn("dampedSound", log, "friction acts in implicit steps alone: there is no cure")
+        centre = []
+        for time in ("0.3", "0.5"):
+            mass = result.field("alpha", time) * result.volumes
+            centre.append(mass @ result.centres[:, 0] / mass.sum())
+        self.assertAlmostEqual(centre[1], 0.0117, delta=1e-4)
+        self.assertLess(abs(centre[1] - centre[0]), 2e-4)
+        self.assertLess(int(re.search(r"end at time .*: (\d+) steps", log).group(1)), 3000)
+        with open(case + "/postProcessing/budget/0/energyBudget.dat") as f:
+            titles = next(line for line in f if "residual" in line).lstrip("# ").split()
+        b = dict(zip(titles, result.table("budget", "energyBudget.dat").T))
+        scale = max(np.abs(b[name]).max() for name in ("cooling", "gravity", "friction"))
+        self.assertLess(b["friction"][-1], -0.1 * scale)
+        self.assertLessEqual(np.diff(b["friction"]).max(), 0)
+        self.assertLess(np.abs(b["residual"]).max(), 1e-12 * scale)
+
+    # ---- the same bits ----
+
+    def collapse(self, name, mesh="lattice", end=0.03, interval=0.01, **options):
+        case = bed(os.path.join(self.folder, name), SIZE, CORNER, (0.0, -G, 0.0), end, interval, **options)
+        if mesh == "triangles":
+            shutil.rmtree(case + "/constant/polyMesh")
+            with open(case + "/mesh.geo", "w") as f:
+                f.write(TRIANGLES)
+            harness.mesh(case, 0, option="unused")
+        return case
+
+    def same_times(self, one, other, names):
+        for name in names:
+            runs.same(self, runs.contents(os.path.join(one, name)), runs.contents(os.path.join(other, name)), name)
+
+    def ranks_and_restarts(self, mesh):
+        whole = self.collapse(mesh, mesh)
+        solve(whole)
+        names = runs.times(whole)
+        two = self.collapse(mesh + "2", mesh)
+        solve(two, 2)
+        self.same_times(whole, two, names[1:])
+        for case, at, ranks in ((two, "0.01", 3), (two, "0.02", 1), (whole, "0.02", 2)):
+            with self.subTest(mesh, at=at, ranks=ranks):
+                part = runs.until(case, f"{case}_{at}_{ranks}", at)
+                self.assertNotIn("starts without stress", solve(part, ranks)[1])
+                self.same_times(whole, part, names[names.index(at) + 1:])
+        return whole
+
+    def test_lattice(self):
+        """Also by stops at each time that is written. A time folder without stress is a start of its own, and the log says so."""
+        whole = self.ranks_and_restarts("lattice")
+        folder = os.path.join(whole, "0.02", "uniform")
+        self.assertEqual(sorted(n for n in os.listdir(folder) if n.startswith("friction")), sorted(KEPT))
+        stops = runs.until(whole, whole + "_stops", "0")
+        harness.edit(stops, "system/controlDict", stopAt="nextWrite")
+        for name in runs.times(whole)[1:]:
+            solve(stops, 1 + (name == "0.02"))
+            self.same_times(whole, stops, [name])
+        lost = runs.until(whole, whole + "_lost", "0.02")
+        for name in ["checksums"] + KEPT:
+            os.remove(os.path.join(lost, "0.02", "uniform", name))
+        result, log = solve(lost)
+        self.assertIn("friction starts without stress: time 0.02 has no uniform/frictionPressure", log)
+        self.assertTrue((result.field("U", "0.03") != harness.haff.Case(whole).field("U", "0.03")).any())
+
+    @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
+    def test_triangles(self):
+        self.ranks_and_restarts("triangles")
+
+    def test_damaged_files(self):
+        case = self.collapse("damaged", end=0.004, interval=0.002)
+        solve(case)
+        file = os.path.join(case, "0.004", "uniform", "frictionStressYLow")
+        with open(file, "rb") as f:
+            text = f.read()
+        harness.edit(case, "system/controlDict", endTime=0.006)
+        for damaged in (text[:-400], text.replace(b"List<symmTensor>", b"List<vector>")):
+            for sums in (True, False):
+                shutil.rmtree(case + "x", ignore_errors=True)
+                shutil.copytree(case, case + "x")
+                with open(file.replace(case, case + "x"), "wb") as f:
+                    f.write(damaged)
+                if not sums:
+                    os.remove(os.path.join(case + "x", "0.004", "uniform", "checksums"))
+                done = harness.program("granularGas", "-case", case + "x", check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertRegex(done.stderr, r"frictionStressYLow: the file has" if sums else r"frictionStressYLow:\d+: ")
+
+    def test_with_carried_quantities(self):
+        """Beds carry nothing yet: the case is refused, and not run without friction."""
+        case = self.collapse("carried", end=0.01)
+        runs.add(case, "constant/granularProperties", "carried { dye { type passive; } }\n")
+        boxes.write_field(case, "phi", np.zeros(int(np.prod(SIZE))), '"[xy].*" zeroGradient\nzEmpty empty', time="0.orig")
+        os.rename(case + "/0.orig/phi", case + "/0.orig/dye")
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"granularProperties:\d+: key 'carried'.*friction acts in implicit acoustics")
+
+    def test_none(self):
+        """type none; is a case without the dictionary, and writes nothing of friction."""
+        cases = [self.collapse(f"none{i}", end=0.01, friction=f) for i, f in enumerate(("type none;", ""))]
+        for case in cases:
+            solve(case)
+        self.same_times(*cases, runs.times(cases[0]))
+        self.assertEqual([n for n in runs.contents(cases[0]) if "friction" in n], [])
+
+    def test_mirror_and_turn(self):
+        """A mirror image, and gravity along x in place of y. Solvers of beds keep both to round-off, which grows as grains yield (docs/design.md)."""
+        g, end = -G, 0.01
+        plain, _ = solve(self.collapse("plain", end=end))
+        mirror, _ = solve(bed(self.folder + "/mirror", SIZE, "x > 0.013 && y < 0.01 ? 0.6 : 1e-5", (0.0, g, 0.0), end))
+        turned, _ = solve(bed(self.folder + "/turned", (16, 20, 1), "y < 0.007 && x < 0.01 ? 0.6 : 1e-5", (g, 0.0, 0.0), end, floor="xLow"))
+        for name in ("rho", "p"):
+            one = plain.field(name).reshape(16, 20)
+            for other in (mirror.field(name).reshape(16, 20)[:, ::-1], turned.field(name).reshape(20, 16).T):
+                np.testing.assert_allclose(other, one, rtol=0, atol=1e-12 * one.max())
+        one = plain.field("U").reshape(16, 20, 3)
+        for other in (mirror.field("U").reshape(16, 20, 3)[:, ::-1] * [-1, 1, 1], turned.field("U").reshape(20, 16, 3).transpose(1, 0, 2)[..., [1, 0, 2]]):
+            np.testing.assert_allclose(other, one, rtol=0, atol=1e-10 * np.abs(one).max())
+
+
+if __name__ == "__main__":
+    unittest.main()
