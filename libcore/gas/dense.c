@@ -168,6 +168,7 @@ static double plan_friction(struct gas *g, double maxCo, double fall, double pla
         if (dense_include(g, smaller(maxCo, BORDER) / step[least_of(step)])) rates = dense_rates(g, plain);
         find_limits(g, &rates, maxCo, plain, fall, false, step);
     }
+    if (d->leans) refuse(d, BY_OUTLET, 1, 0, plain); /* the last step was explicit, without friction */
     *limit = cause_name[least_of(step)];
     return d->longest = step[least_of(step)];
 }
@@ -218,6 +219,10 @@ void gas_bed_bound(struct gas *g, struct gas_bed_bound *out) {
     out->name = cause_name[out->cause];
     const bool near_void = out->rate > 0 && out->cell.alpha < d->bed.params.thin * g->models.material.alpha_max;
     out->cure = cause_cure[near_void ? BED_CAUSES : out->cause];
+    if (d->bed.rub)
+        out->cure =
+            "friction acts in implicit steps alone, so that there is none now; a void outside says how fast packed "
+            "gas flows out: fixedValue 1e-6 of alpha at that patch";
 }
 
 double gas_inertia(const struct gas *g) {
