@@ -207,6 +207,15 @@ class Friction(harness.Folder, unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"granularProperties:\d+: key 'carried'.*friction acts in implicit acoustics")
 
+    def test_packed_gas_at_an_outlet(self):
+        """No bed can say how fast packed gas leaves where the patch gives no pressure. Then friction does not act, and the log says so."""
+        case = bed(os.path.join(self.folder, "outlet"), SIZE, "y < 0.01 ? 0.6 : 1e-6", (0.0, -G, 0.0), 0.012)
+        with open(case + "/0.orig/U", "r+") as f:
+            text = f.read().replace("yLow { type noSlip; }", "yLow { type noSlip; } xHigh { type zeroGradient; }")
+            f.seek(0)
+            f.write(text)
+        self.assertRegex(solve(case)[1], r"packed gas at an open patch(.|\n)*friction acts in implicit steps alone")
+
     def test_none(self):
         """type none; is a case without the dictionary, and writes nothing of friction."""
         cases = [self.collapse(f"none{i}", end=0.01, friction=f) for i, f in enumerate(("type none;", ""))]
