@@ -27,11 +27,6 @@ bool grains_box_open(const struct setup *s, const struct field *U, bool *open) {
     return any;
 }
 
-bool grains_box_is_full(const struct setup *s) {
-    const struct lattice *l = s->lattice;
-    return l && (long)l->n[0] * l->n[1] * l->n[2] == s->mesh->ncells;
-}
-
 static status check_wall(const struct setup *s, const struct grains_models *m, const struct field *U, int p) {
     const struct patch_field *q = &U->patch[p];
     const char *patch = s->mesh->patch[p].name, *file = dict_path(U->dict);
@@ -53,48 +48,39 @@ static int patch_of(const struct polymesh *m, int face) {
     return p;
 }
 
-struct box_side { /* a side of the box: a patch that covers it, and its restitution */
-    int first;
-    double restitution;
-};
-
-static status add_face(const struct setup *s, const struct grains_models *m, const struct field *U, int face,
-                       struct box_side *side) {
-    const int p = patch_of(s->mesh, face);
-    if (p == side->first) return OK;
-    TRY(check_wall(s, m, U, p));
-    if (side->first < 0) {
-        *side = (struct box_side){p, m->restitution[p]};
-        return OK;
-    }
-    if (m->restitution[p] == side->restitution) return OK;
-    const int named = m->restitution_line[p] ? p : side->first;
-    return fail(ERR_INPUT,
-                "%s:%d: patch %s: restitution is %g there and %g on patch %s, which covers another part of the same "
-                "side of the box; a side has one restitution",
-                m->properties ? dict_path(m->properties) : s->dir, m->restitution_line[named],
-                s->mesh->patch[named].name, m->restitution[named], m->restitution[named == p ? side->first : p],
-                s->mesh->patch[named == p ? side->first : p].name);
-}
-
-static status make_side(const struct setup *s, const struct grains_models *m, const struct field *U, int k, int high,
-                        double *restitution) {
+/* Goes over the faces of the box at the end of axis k: sets the restitution of the first; *alike: is it that of all? */
+static status look_at_side(const struct setup *s, const struct grains_models *m, const struct field *U, int k, int high,
+                           double *restitution, bool *alike) {
     const struct lattice *l = s->lattice;
-    struct box_side side = {-1, 1};
+    int last = -1;
     long stride = 1, cells = (long)l->n[0] * l->n[1] * l->n[2];
     for (int i = 0; i < k; i++) stride *= l->n[i];
+    *alike = true;
     for (long i = 0; i < cells; i++) {
         if (i / stride % l->n[k] != (high ? l->n[k] - 1 : 0)) continue;
-        TRY(add_face(s, m, U, l->face[6L * l->cell[i] + 2 * k + high], &side));
+        const int p = patch_of(s->mesh, l->face[6L * l->cell[i] + 2 * k + high]);
+        if (p == last) continue;
+        if (U) TRY(check_wall(s, m, U, p));
+        if (last < 0) *restitution = m->restitution[p];
+        *alike = *alike && m->restitution[p] == *restitution;
+        last = p;
     }
-    *restitution = side.restitution;
     return OK;
+}
+
+bool grains_box_is_full(const struct setup *s, const struct grains_models *m) {
+    const struct lattice *l = s->lattice;
+    bool alike = l && (long)l->n[0] * l->n[1] * l->n[2] == s->mesh->ncells;
+    double restitution;
+    for (int side = 0; alike && side < 2 * l->dim; side++)
+        if (!l->periodic[side / 2]) (void)look_at_side(s, m, NULL, side / 2, side & 1, &restitution, &alike);
+    return alike;
 }
 
 /* A sheared box is full, and cyclic along all axes. */
 static status check_shear(const struct setup *s, const struct grains_models *m, const struct grain_box *b) {
     for (int k = 0; k < b->dim && m->shear != 0; k++)
-        if (!b->periodic[k] || !grains_box_is_full(s))
+        if (!b->periodic[k] || !grains_box_is_full(s, m))
             return dict_fail(m->properties, "shearRate",
                              "the mesh must be a box of equal cells, cyclic along all axes; along %c it is not",
                              "xyz"[s->axis[k]]);
@@ -136,12 +122,13 @@ static status make_space(const struct setup *s, const struct grains_models *m, c
 static status make_box(const struct setup *s, const struct grains_models *m, const struct field *U,
                        struct grain_box *out) {
     const struct lattice *l = s->lattice;
+    bool alike;
     for (int k = 0; k < l->dim; k++) {
         out->low[k] = l->origin[k];
         out->high[k] = l->origin[k] + l->n[k] * l->width[k];
         out->periodic[k] = l->periodic[k];
         for (int side = 0; side < 2 && !l->periodic[k]; side++)
-            TRY(make_side(s, m, U, k, side, &out->restitution[k][side]));
+            TRY(look_at_side(s, m, U, k, side, &out->restitution[k][side], &alike));
     }
     return OK;
 }

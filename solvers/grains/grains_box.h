@@ -12,7 +12,8 @@
 status grains_box_check(const struct setup *s);
 /* Finds the patches through which grains leave, by the types of U; returns whether there is one. */
 bool grains_box_open(const struct setup *s, const struct field *U, bool *open);
-bool grains_box_is_full(const struct setup *s); /* does the mesh fill a box with equal cells? */
+/* Does the mesh fill a box with equal cells, and has each of its sides one restitution? */
+bool grains_box_is_full(const struct setup *s, const struct grains_models *m);
 /* Makes the box; mesh: NULL if it is full. The patches of U must be walls or let
  * grains out (zeroGradient); other types are an error. */
 status grains_box_make(const struct setup *s, const struct grains_models *m, const struct field *U,

@@ -131,11 +131,12 @@ static status medium_state(struct setup *s) {
     snprintf(path, sizeof path, "%s/%s/uniform/grains", s->dir, s->start.folder);
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, x->models, saved, &x->start));
-    const bool open = grains_box_open(s, x->start.field[FIELD_U], x->models->open);
-    if (open || !grains_box_is_full(s)) TRY(grains_mesh_make(s, x->models->grain.diameter, x->models->open, &x->mesh));
-    TRY(grains_start_take(s, x->models, x->mesh, saved, &x->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
+    const bool open = grains_box_open(s, x->start.field[FIELD_U], x->models->open);
+    if (open || !grains_box_is_full(s, x->models))
+        TRY(grains_mesh_make(s, x->models->grain.diameter, x->models->open, &x->mesh));
+    TRY(grains_start_take(s, x->models, x->mesh, saved, &x->start));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], x->mesh, &x->box));
     TRY(grains_start_check(s, x->models, &x->start));
     TRY(check_scales(s, x));

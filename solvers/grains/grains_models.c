@@ -243,7 +243,7 @@ void grains_models_keywords_soft(struct keywords *k) {
 void grains_boundaries_list(FILE *f) {
     for (int i = 0; i < boundary_count; i++)
         if (boundary_is_smooth(&boundary_table[i]))
-            fprintf(f, "  %-14s %-16s flat smooth wall\n", boundary_table[i].model.name, "U");
+            fprintf(f, "  %-14s %-16s smooth wall\n", boundary_table[i].model.name, "U");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "scalars", "on walls");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "U", "grains whose centres come there leave");
     fprintf(f, "  %-14s %-16s %s\n", "granularWall", "T",

@@ -36,7 +36,10 @@ static void print_mesh(FILE *f, const struct setup *s) {
         status_free(polymesh_shapes(m, shapes)); /* on an error the log goes on without the shapes */
         fprintf(f, "    polyhedral, %dD: %s; %d block%s\n    %s%s\n", s->grid->dim, shapes, s->grid->nblocks_all,
                 s->grid->nblocks_all == 1 ? "" : "s",
-                l ? "a lattice, but system/fvSchemes says  meshEngine polyhedral;" : "no lattice: ", l ? "" : s->why);
+                !l                              ? "no lattice: "
+                : s->medium->type->event_driven ? "a lattice, in whose walls grains see facets"
+                                                : "a lattice, but system/fvSchemes says  meshEngine polyhedral;",
+                l ? "" : s->why);
         return;
     }
     fprintf(f, "    lattice, %dD:", l->dim);
