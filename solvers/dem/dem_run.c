@@ -2,6 +2,8 @@
 /* Advances soft grains in pieces, samples them and keeps their account (dem_run.h). */
 #include "solvers/dem/dem_run.h"
 
+#include "solvers/grains/grains_box.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,24 +80,28 @@ static status take_saved(struct dem_run *r) {
     return OK;
 }
 
+static status overlaps(const struct dem_run *r, int i, const char *patch) {
+    const double *x = r->moment.x[i];
+    return fail(
+        ERR_INPUT,
+        "%s/%s: grain %d at (%g %g %g) overlaps a wall of patch %s; let alpha be 0 within half a diameter of walls "
+        "inside of the box",
+        r->setup->dir, r->setup->start.folder, r->moment.id[i], x[0], x[1], x[2], patch);
+}
+
 static status check_overlaps(const struct dem_run *r) {
     const struct dem_moment *m = &r->moment;
-    for (int i = 0; i < m->n; i++)
+    const struct lattice *l = r->setup->lattice;
+    for (int i = 0; i < m->n; i++) {
+        if (l->cell[grains_box_cell(l, m->x[i])] < 0) return overlaps(r, i, "behind which the mesh has a hole");
         for (int j = 0; j < r->walls.n; j++) {
-            const struct dem_wall *w = &r->walls.wall[j];
-            double near[3], away = 0, outwards = 0;
+            double near[3], away = 0;
             dem_wall_nearest(&r->walls, j, m->x[i], near);
-            for (int k = 0; k < r->walls.dim; k++) {
-                away += (m->x[i][k] - near[k]) * (m->x[i][k] - near[k]);
-                outwards += (m->x[i][k] - near[k]) * w->normal[k];
-            }
-            if (sqrt(away) > (0.5 - 1e-3) * r->law.diameter) continue;
-            return fail(ERR_INPUT,
-                        "%s/%s: grain %d at (%g %g %g) overlaps a wall of patch %s; let alpha be 0 within half a "
-                        "diameter of walls inside of the box",
-                        r->setup->dir, r->setup->start.folder, m->id[i], m->x[i][0], m->x[i][1], m->x[i][2],
-                        r->setup->mesh->patch[w->patch].name);
+            for (int k = 0; k < r->walls.dim; k++) away += (m->x[i][k] - near[k]) * (m->x[i][k] - near[k]);
+            if (sqrt(away) < (0.5 - 1e-3) * r->law.diameter)
+                return overlaps(r, i, r->setup->mesh->patch[r->walls.wall[j].patch].name);
         }
+    }
     return OK;
 }
 

@@ -312,6 +312,19 @@ class Beds(harness.Folder, unittest.TestCase):
         self.assertLess(rate["soft"], 0.97)
         self.assertLess(abs(rate["stiff"] - 1), 0.01, rate)
 
+    def test_outlet(self):
+        """Grains that fall out of an open box are taken away and counted; the run goes on without any, and again from a time without any."""
+        case = make(self.path("outlet"), "type linear; stiffness 200; restitution 0.6;", wall="zeroGradient", alpha=0.1, T=1e-4, g=(0, -9.81, 0), more="N 40; seed 4;\n",
+                    end=0.06, interval=0.02)
+        solve(case)
+        rows, at = table(case)
+        counts = rows[:, at["grains"]]
+        self.assertEqual((counts[0], counts[-1]), (40, 0))
+        self.assertTrue(np.all(np.diff(counts) <= 0))
+        harness.edit(case, "system/controlDict", endTime=0.08)
+        solve(case)
+        self.assertEqual(float(harness.haff.Case(case).field("rho", "0.08").max()), 0)
+
     def test_ranks(self):
         """On two ranks LAMMPS adds in another order: the same motion to round-off for some impacts."""
         one, two = (self.bed(n, end=0.005, interval=0.005) for n in ("one rank", "two ranks"))
