@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Friction in the step of a bed (bed_friction.c), between its files. */
+/* Friction in the step of a bed (bed_friction.c; docs/physics.md 9.3), between its files. */
 #ifndef LIBCORE_BED_FRICTION_H
 #define LIBCORE_BED_FRICTION_H
 

@@ -228,7 +228,7 @@ static int steps_beside_one_rank(int nx, int ny, bool periodic, bool triangles, 
                                                      .I0 = 0.279,
                                                      .alpha_friction = 0.58,
                                                      .alpha_solid = 0.62,
-                                                     .modulus = 300,
+                                                     .modulus = 3e7, /* for many stages */
                                                      .surface_cohesion = 0.5},
                                                     .grain = 0.7};
     const double gravity[MAX_DIM] = {-1, -9.81};
