@@ -222,15 +222,15 @@ static void start_friction(struct box *x) {
 
 /* Some steps of a box by the parts of all ranks and by one rank alone. Returns how many could be made. */
 static int steps_beside_one_rank(int nx, int ny, bool periodic, bool triangles, int way, bool rubs) {
-    const struct friction_use none = {NULL}, law = {friction_find("muI"),
-                                                    {.mu_static = 0.38,
-                                                     .mu_dynamic = 0.64,
-                                                     .I0 = 0.279,
-                                                     .alpha_friction = 0.58,
-                                                     .alpha_solid = 0.62,
-                                                     .modulus = 300,
-                                                     .surface_cohesion = 0.5},
-                                                    .grain = 0.7};
+    const struct friction_use none = {.law = NULL}, law = {friction_find("muI"),
+                                                           {.mu_static = 0.38,
+                                                            .mu_dynamic = 0.64,
+                                                            .I0 = 0.279,
+                                                            .alpha_friction = 0.58,
+                                                            .alpha_solid = 0.62,
+                                                            .modulus = 3e7, /* for many stages */
+                                                            .surface_cohesion = 0.5},
+                                                           .grain = 0.7};
     const double gravity[MAX_DIM] = {-1, -9.81};
     unsigned seed = 11;
     struct box x;
