@@ -46,8 +46,12 @@ static bool rubs(const struct gas *g, const struct attempt *a) {
 }
 
 static bool friction_end(struct gas *g, struct attempt *a) {
-    if (!dense_rub(g, a->t, a->dt, &g->V)) return false;
-    books_friction(g, a->dt);
+    if (dense_rub(g, a->t, a->dt, &g->V))
+        books_friction(g, a->dt);
+    else if (a->guarded || g->dense->failed)
+        return false;
+    else
+        a->bad++; /* an unguarded step goes on to its end, where the ranks ask each other */
     return true;
 }
 

@@ -91,9 +91,8 @@ static status overlaps(const struct dem_run *r, int i, const char *patch) {
 
 static status check_overlaps(const struct dem_run *r) {
     const struct dem_moment *m = &r->moment;
-    const struct lattice *l = r->setup->lattice;
     for (int i = 0; i < m->n; i++) {
-        if (l->cell[grains_box_cell(l, m->x[i])] < 0) return overlaps(r, i, "behind which the mesh has a hole");
+        if (grains_box_cell(r->setup, NULL, m->x[i]) < 0) return overlaps(r, i, "behind which the mesh has a hole");
         for (int j = 0; j < r->walls.n; j++) {
             double near[3], away = 0;
             dem_wall_nearest(&r->walls, j, m->x[i], near);
