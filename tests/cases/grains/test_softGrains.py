@@ -362,6 +362,13 @@ class Errors(harness.Folder, unittest.TestCase):
         self.refused(r"patch yLow: type is fixedValue; granularDEM has walls", wall="fixedValue; value uniform (0 1 0)")
         self.refused(r"wide along its cyclic axis x; it must be 3 diameters", cells=(4, 4, 4), size=(2e-3, 8e-3, 8e-3))
 
+    def test_warnings(self):
+        case = make(os.path.join(self.folder, "warnings"), "type linear; stiffness 0.1; timeStepFraction 0.05;", T=1e-3, alpha=0.3, g=(0, -9.81, 0))
+        harness.edit(case, "constant/granularProperties", grain=f"{{ diameter {D}; mass {MASS:.17g}; restitution 0.9; thresholdSpeed 1e-4; }}")
+        said = harness.program("checkCase", case).stdout
+        for name in ("longContactStep", "softGrains", "softThreshold"):
+            self.assertIn(f"[{name}]", said)
+
     @unittest.skipUnless(LAMMPS, MISSING)
     def test_overlap(self):
         case = make(os.path.join(self.folder, "overlap"), "type hertz; youngsModulus 5e9; impactSpeed 1;", positions=[(4e-3, 4e-3, 4e-3), (4.5e-3, 4e-3, 4e-3)], U=2 * [(0, 0, 0)])
