@@ -207,10 +207,6 @@ void gas_bed_bound(struct gas *g, struct gas_bed_bound *out) {
     out->name = cause_name[out->cause];
     const bool near_void = out->rate > 0 && out->cell.alpha < d->bed.params.thin * g->models.material.alpha_max;
     out->cure = cause_cure[near_void ? BED_CAUSES : out->cause];
-    if (d->bed.rub)
-        out->cure =
-            "friction acts in implicit steps alone, so that there is none now; a void outside says how fast packed "
-            "gas flows out: fixedValue 1e-6 of alpha at that patch";
 }
 
 double gas_inertia(const struct gas *g) {

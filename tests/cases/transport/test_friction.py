@@ -88,14 +88,16 @@ class Friction(harness.Folder, unittest.TestCase):
                 self.assertLess(max(along, across), 1e-6)
 
     def test_bagnold(self):
-        """Above its angle the layer speeds up to Bagnold's profile with the I at which mu(I) = tan 22 degrees; two cells at the surface aside."""
-        result, _ = solve(self.slope(22, 1.0))
+        """Above its angle the layer speeds up to Bagnold's profile with the I at which mu(I) = tan 22 degrees. Cells at the surface, which have
+        cohesion (docs/physics.md 9.3) and a load of thin gas, are left out; 22 degrees is that near to the angle at which the layer stops that
+        0.002 of mu are 8 % of u. test_frictionFlows is stricter."""
+        result, _ = solve(self.slope(22, 2.0))
         a = math.radians(22)
         inertia = 0.279 / ((0.64 - 0.38) / (math.tan(a) - 0.38) - 1)
         alpha, u = (v.reshape(24, 4)[:, 0] for v in (result.field("alpha"), result.field("U")[:, 0]))
-        depth, y = alpha.sum() * D / 0.64, (np.arange(12) + 0.5) * D
+        depth, y = alpha.sum() * D / 0.64, (np.arange(10) + 0.5) * D
         exact = 2 / 3 * inertia / D * math.sqrt(0.64 * G * math.cos(a)) * (depth ** 1.5 - (depth - y) ** 1.5)
-        np.testing.assert_allclose(u[:12], exact, rtol=0.02)
+        np.testing.assert_allclose(u[:10], exact, rtol=0.03)
 
     # ---- a heap ----
 
@@ -112,12 +114,12 @@ class Friction(harness.Folder, unittest.TestCase):
         audit.ask(case)
         harness.edit(case, "system/controlDict", endTime=0.5, writeInterval=0.1)
         result, log = solve(case)
-        self.assertNotIn("dampedSound", log, "friction acts in implicit steps alone: there is no cure")
+        self.assertNotIn("dampedSound", log, "what friction stops is no wave")
         centre = []
         for time in ("0.3", "0.5"):
             mass = result.field("alpha", time) * result.volumes
             centre.append(mass @ result.centres[:, 0] / mass.sum())
-        self.assertAlmostEqual(centre[1], 0.0117, delta=1e-4)
+        self.assertAlmostEqual(centre[1], 0.0114, delta=1e-4)
         self.assertLess(abs(centre[1] - centre[0]), 2e-4)
         self.assertLess(int(re.search(r"end at time .*: (\d+) steps", log).group(1)), 3000)
         with open(case + "/postProcessing/budget/0/energyBudget.dat") as f:
@@ -198,23 +200,22 @@ class Friction(harness.Folder, unittest.TestCase):
                 self.assertRegex(done.stderr, r"frictionStressYLow: the file has" if sums else r"frictionStressYLow:\d+: ")
 
     def test_with_carried_quantities(self):
-        """Beds carry nothing yet: the case is refused, and not run without friction."""
+        """A bed with friction carries them, too: what is 1 everywhere stays 1."""
         case = self.collapse("carried", end=0.01)
         runs.add(case, "constant/granularProperties", "carried { dye { type passive; } }\n")
-        boxes.write_field(case, "phi", np.zeros(int(np.prod(SIZE))), '"[xy].*" zeroGradient\nzEmpty empty', time="0.orig")
+        boxes.write_field(case, "phi", np.ones(int(np.prod(SIZE))), '"[xy].*" zeroGradient\nzEmpty empty', time="0.orig")
         os.rename(case + "/0.orig/phi", case + "/0.orig/dye")
-        done = harness.program("granularGas", "-case", case, check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, r"granularProperties:\d+: key 'carried'.*friction acts in implicit acoustics")
+        result, _ = solve(case)
+        np.testing.assert_allclose(result.field("dye", "0.01"), 1, rtol=1e-12)
 
     def test_packed_gas_at_an_outlet(self):
-        """No bed can say how fast packed gas leaves where the patch gives no pressure. Then friction does not act, and the log says so."""
+        """No bed can say how fast packed gas leaves where the patch gives no pressure. Then steps are explicit, and the log says so."""
         case = bed(os.path.join(self.folder, "outlet"), SIZE, "y < 0.01 ? 0.6 : 1e-6", (0.0, -G, 0.0), 0.012)
         with open(case + "/0.orig/U", "r+") as f:
             text = f.read().replace("yLow { type noSlip; }", "yLow { type noSlip; } xHigh { type zeroGradient; }")
             f.seek(0)
             f.write(text)
-        self.assertRegex(solve(case)[1], r"packed gas at an open patch(.|\n)*friction acts in implicit steps alone")
+        self.assertRegex(solve(case)[1], r"packed gas at an open patch")
 
     def test_none(self):
         """type none; is a case without the dictionary, and writes nothing of friction."""
