@@ -28,56 +28,11 @@ static const double SAFE = 1.2, SAFE_SKEW = 1.6;
 static const double DAMPED = 10;
 /* A step that would take more stages fails: half of it takes half as many. */
 enum { MOST_STAGES = 1000 };
-/* A cell's matrix of least squares gains a = ALONE times its trace, for cells with neighbours along one axis alone. Its
- * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */
-static const double ALONE = 1e-9;
 
 /* The cohesion of the surface ends so many cells below it. */
 static const double DEPTH = 2;
 /* Cells denser than this part of packing have it. In thinner gas it would be stiff. */
 static const double HALF = 0.1;
-enum { TENSOR = 6, LINES = 3 };
-
-struct bed_friction {
-    int tensors; /* numbers of a stress */
-    /* [cells + ghosts] s, pressure, share of what is held; dt F/rho and its friction: gains of velocity */
-    double *share, *p, *held, *drive[MAX_DIM], *gain[LINES][MAX_DIM];
-    double *V[MAX_DIM], *gradient[MAX_DIM][MAX_DIM]; /* [cells + ghosts] [axis][component] */
-    double *fit[MAX_DIM];                            /* [sides] derivative = sum of fit times differences */
-    double *stiff;                                   /* [faces] 2 th G dt */
-    double *base[TENSOR], *traction[MAX_DIM];        /* [faces] th tau; tau' n in a stage */
-    double *through[LINES][MAX_DIM];                 /* [faces] of walls: their traction, as gain */
-    double *part, *bears;                            /* [faces] th; Pa, the most that friction can bear there */
-    int *face, faces;                                /* those with friction */
-    double *cells, *sides, *of_faces;                /* the memory of the lines */
-    struct arrays arrays;
-};
-
-struct sizes { /* solved axes, components of the velocity: constants in the loops of the stages, which so unroll */
-    int dim, components;
-};
-/* Calls a function of the bed, V and sizes with the bed's sizes. */
-#define WITH_SIZES(function, b, V)                                                                                     \
-    switch (4 * (b)->dim + (b)->components) {                                                                          \
-    case 5:                                                                                                            \
-        function(b, V, (struct sizes){1, 1});                                                                          \
-        break;                                                                                                         \
-    case 6:                                                                                                            \
-        function(b, V, (struct sizes){1, 2});                                                                          \
-        break;                                                                                                         \
-    case 7:                                                                                                            \
-        function(b, V, (struct sizes){1, 3});                                                                          \
-        break;                                                                                                         \
-    case 10:                                                                                                           \
-        function(b, V, (struct sizes){2, 2});                                                                          \
-        break;                                                                                                         \
-    case 11:                                                                                                           \
-        function(b, V, (struct sizes){2, 3});                                                                          \
-        break;                                                                                                         \
-    default:                                                                                                           \
-        function(b, V, (struct sizes){3, 3});                                                                          \
-    }
-
 struct face_view { /* a face with friction */
     int face, left, right, shape;
     double n[MAX_DIM], to[MAX_DIM], depth; /* normal; between the centres, or from the centre to the wall */
@@ -128,10 +83,6 @@ void bed_friction_free(struct bed_friction *r) {
 }
 
 /* ---- what is known of a face ---- */
-
-static bool rubs_at(const struct bed *b, int f) {
-    return b->set.kind[f] == BED_INNER || (b->set.kind[f] == BED_WALL && b->set.wall_friction[f] > 0);
-}
 
 ALWAYS_INLINE struct face_view view_with(const struct bed *b, int f, const int dim) {
     const struct bed_shapes *s = b->set.shapes;
@@ -219,95 +170,6 @@ ALWAYS_INLINE void apply(struct sizes of, const double a[TENSOR], const double n
             if (i < of.dim) out[j] += n[i] * a[at];
             if (j != i && j < of.dim) out[i] += n[j] * a[at];
         }
-}
-
-/* ---- gradients of cells: least squares over packed neighbours and walls ---- */
-
-static double weight_of(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
-    const struct bed_shapes *h = b->set.shapes;
-    double square = 0, weight = 1;
-    const bool wall = b->set.kind[s->face] == BED_WALL, slips = wall && !rubs_at(b, s->face);
-    if (!wall && b->set.kind[s->face] != BED_INNER) return 0;
-    if (!wall) weight = b->rub->share[across];
-    for (int k = 0; k < b->dim; k++) {
-        to[k] = h->arm[s->right][k][s->shape] - (wall && !slips ? 0 : h->arm[!s->right][k][s->shape]);
-        square += to[k] * to[k];
-    }
-    return weight / square;
-}
-
-static void invert(int dim, double A[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_DIM]) {
-    double more = 0, B[MAX_DIM][MAX_DIM];
-    for (int k = 0; k < dim; k++) more += ALONE * A[k][k];
-    for (int k = 0; k < 3; k++) A[k][k] = k < dim ? A[k][k] + more : 1;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            const int p = (i + 1) % 3, q = (i + 2) % 3, u = (j + 1) % 3, w = (j + 2) % 3;
-            B[j][i] = A[p][u] * A[q][w] - A[p][w] * A[q][u];
-        }
-    const double determinant = A[0][0] * B[0][0] + A[0][1] * B[1][0] + A[0][2] * B[2][0];
-    const double per = determinant > 0 ? 1 / determinant : 0;
-    for (int i = 0; i < dim; i++)
-        for (int j = 0; j < dim; j++) {
-            double square = 0;
-            for (int k = 0; k < dim; k++) square += B[i][k] * B[k][j];
-            out[i][j] = per * (B[i][j] + more * per * square);
-        }
-}
-
-static void fit_cell(const struct bed *b, int i) {
-    const struct bed_friction *r = b->rub;
-    double A[MAX_DIM][MAX_DIM] = {{0}}, inverse[MAX_DIM][MAX_DIM], to[MAX_DIM];
-    const int first = b->set.face_start[i], last = b->set.face_start[i + 1];
-    for (int j = first; j < last; j++) {
-        const struct bed_side s = bed_side(b, j);
-        const double w = weight_of(b, &s, bed_across(b, &s), to);
-        for (int k = 0; k < b->dim && w > 0; k++)
-            for (int l = 0; l < b->dim; l++) A[k][l] += w * to[k] * to[l];
-    }
-    invert(b->dim, A, inverse);
-    for (int j = first; j < last; j++) {
-        const struct bed_side s = bed_side(b, j);
-        const double w = weight_of(b, &s, bed_across(b, &s), to);
-        for (int k = 0; k < b->dim; k++) {
-            double sum = 0;
-            for (int l = 0; l < b->dim && w > 0; l++) sum += inverse[k][l] * w * to[l];
-            r->fit[k][j] = sum;
-        }
-    }
-}
-
-/* Returns the difference of component m of V from cell i to what is across a side: a rough wall, the mirror image at
- * others. */
-ALWAYS_INLINE double change_across(const struct bed *b, const struct bed_side *s, int i, double *const *V, int m) {
-    if (b->set.kind[s->face] == BED_INNER) return V[m][bed_across(b, s)] - V[m][i];
-    if (rubs_at(b, s->face)) return b->set.wall_speed[m][s->face] - V[m][i];
-    if (m >= b->dim) return 0;
-    return -2 * b->set.shapes->normal[m][s->shape] * bed_normal_speed(b, V, i, s->shape);
-}
-
-ALWAYS_INLINE void gradients_with(const struct bed *b, double *const *V, struct sizes n) {
-    const struct bed_friction *r = b->rub;
-    for (int i = 0; i < b->set.cells; i++) {
-        double sum[MAX_DIM][MAX_DIM] = {{0}};
-        if (r->share[i] == 0) continue;
-        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
-            const struct bed_side s = bed_side(b, j);
-            if (b->set.kind[s.face] > BED_WALL) continue;
-            for (int m = 0; m < n.components; m++) {
-                const double change = change_across(b, &s, i, V, m);
-                for (int k = 0; k < n.dim; k++) sum[k][m] += r->fit[k][j] * change;
-            }
-        }
-        for (int k = 0; k < n.dim; k++)
-            for (int m = 0; m < n.components; m++) r->gradient[k][m][i] = sum[k][m];
-    }
-}
-
-static void find_gradients(const struct bed *b, double *const *V) {
-    bed_fill(b, b->components, V);
-    WITH_SIZES(gradients_with, b, V)
-    for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, b->rub->gradient[k]);
 }
 
 /* ---- forces ---- */
@@ -430,7 +292,7 @@ static void list_faces(const struct bed *b) {
             r->traction[k][f] = 0;
             for (int i = 0; i < LINES; i++) r->through[i][k][f] = 0;
         }
-        if (rubs_at(b, f) && ((l >= 0 && r->share[l] > 0) || (q >= 0 && r->share[q] > 0))) r->face[r->faces++] = f;
+        if (bed_rubs_at(b, f) && ((l >= 0 && r->share[l] > 0) || (q >= 0 && r->share[q] > 0))) r->face[r->faces++] = f;
     }
 }
 
@@ -537,7 +399,7 @@ static int solve(const struct bed *b, double dt, double rate) {
             fallen[2] = now;
         }
         find_velocity(b, j > 1 ? fallen[1] : 0, r->gain[(j + LINES - 1) % LINES]);
-        find_gradients(b, r->V);
+        bed_find_gradients(b, r->V);
         find_tractions(b, r->V);
         find_gains(b, dt, j, c);
     }
@@ -641,19 +503,19 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     TRY(comm_agree(b->comm, make_room(b, r)));
     find_state(b, gravity);
     list_faces(b);
-    for (int i = 0; i < b->set.cells; i++) fit_cell(b, i);
+    for (int i = 0; i < b->set.cells; i++) bed_fit_cell(b, i);
     if (driven)
         find_drive(b, dt, gravity);
     else
         for (int k = 0; k < b->components; k++)
             memset(r->drive[k], 0, (size_t)(b->set.cells + b->set.ghosts) * sizeof(double));
-    find_gradients(b, b->lines->u);
+    bed_find_gradients(b, b->lines->u);
     freeze(b, dt, gravity);
     const int last = solve(b, dt, find_rate(b, dt));
     *done = last >= 0;
     if (!*done) return OK;
     find_velocity(b, 1, r->gain[last]);
-    find_gradients(b, r->V);
+    bed_find_gradients(b, r->V);
     if (driven) {
         find_held(b);
         bed_fill(b, b->components, r->gain[last]);

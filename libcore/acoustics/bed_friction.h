@@ -5,8 +5,59 @@
 
 #include "libcore/acoustics/bed_private.h"
 
+enum { TENSOR = 6, LINES = 3 };
+
+struct bed_friction {
+    int tensors; /* numbers of a stress */
+    /* [cells + ghosts] s, pressure, share of what is held; dt F/rho and its friction: gains of velocity */
+    double *share, *p, *held, *drive[MAX_DIM], *gain[LINES][MAX_DIM];
+    double *V[MAX_DIM], *gradient[MAX_DIM][MAX_DIM]; /* [cells + ghosts] [axis][component] */
+    double *fit[MAX_DIM];                            /* [sides] derivative = sum of fit times differences */
+    double *stiff;                                   /* [faces] 2 th G dt */
+    double *base[TENSOR], *traction[MAX_DIM];        /* [faces] th tau; tau' n in a stage */
+    double *through[LINES][MAX_DIM];                 /* [faces] of walls: their traction, as gain */
+    double *part, *bears;                            /* [faces] th; Pa, the most that friction can bear there */
+    int *face, faces;                                /* those with friction */
+    double *cells, *sides, *of_faces;                /* the memory of the lines */
+    struct arrays arrays;
+};
+
+struct sizes { /* solved axes, components of the velocity: constants in the loops of the stages, which so unroll */
+    int dim, components;
+};
+/* Calls a function of the bed, V and sizes with the bed's sizes. */
+#define WITH_SIZES(function, b, V)                                                                                     \
+    switch (4 * (b)->dim + (b)->components) {                                                                          \
+    case 5:                                                                                                            \
+        function(b, V, (struct sizes){1, 1});                                                                          \
+        break;                                                                                                         \
+    case 6:                                                                                                            \
+        function(b, V, (struct sizes){1, 2});                                                                          \
+        break;                                                                                                         \
+    case 7:                                                                                                            \
+        function(b, V, (struct sizes){1, 3});                                                                          \
+        break;                                                                                                         \
+    case 10:                                                                                                           \
+        function(b, V, (struct sizes){2, 2});                                                                          \
+        break;                                                                                                         \
+    case 11:                                                                                                           \
+        function(b, V, (struct sizes){2, 3});                                                                          \
+        break;                                                                                                         \
+    default:                                                                                                           \
+        function(b, V, (struct sizes){3, 3});                                                                          \
+    }
+
+/* Does friction act on a face between cells, or on a wall? */
+static inline bool bed_rubs_at(const struct bed *b, int f) {
+    return b->set.kind[f] == BED_INNER || (b->set.kind[f] == BED_WALL && b->set.wall_friction[f] > 0);
+}
+
 status bed_friction_make(struct bed *b); /* nothing, if the bed has no law of friction */
 void bed_friction_free(struct bed_friction *r);
+/* Gradients of the velocity in cells (bed_strain.c): bed_fit_cell finds the numbers that bed_find_gradients, which is
+ * collective, sums with, for b->rub->gradient. */
+void bed_fit_cell(const struct bed *b, int i);
+void bed_find_gradients(const struct bed *b, double *const *V);
 /* Finds what friction does over dt: lines rubbed, push and traction; sets b->set.stress. Its pressures are those of
  * b->set.pressure. driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too
  * long. Collective. */

@@ -357,7 +357,7 @@ static double yield_of_face(const struct box *x, const double *p, int f, double 
         light = smaller(light, rho);
         depth += 0.5;
     }
-    const double weight = heavy * g * depth, k = light > 0.5 * x->bed.limit ? 0.5 : 0;
+    const double weight = heavy * g * depth, k = light > 0.1 * x->bed.limit ? 0.5 : 0;
     return carried > 0 ? 0.38 * carried + 0.1 + k * weight * larger(0, 1 - P / (2 * weight)) : 0;
 }
 
@@ -565,7 +565,7 @@ static void test_a_layer_slides_on_a_smooth_floor(void **state) {
     box_free(&x);
 }
 
-/* Gas below alphaFriction has the bits of gas without friction. */
+/* Gas below alphaFriction that is too hot to lie in its cells has the bits of gas without friction. */
 static void test_gas_that_is_not_packed_has_no_friction(void **state) {
     (void)state;
     const double gravity[MAX_DIM] = {-1, -9.81, 1};
@@ -577,8 +577,8 @@ static void test_gas_that_is_not_packed_has_no_friction(void **state) {
     unsigned seed = 2;
     for (int i = 0; i < one.bed.set.cells; i++) {
         const double alpha = 0.4 + 0.09 * chance(&seed), u[2] = {chance(&seed), chance(&seed)};
-        set_moving(&one, i, alpha, 1, u);
-        set_moving(&two, i, alpha, 1, u);
+        set_moving(&one, i, alpha, 10, u);
+        set_moving(&two, i, alpha, 10, u);
     }
     for (int e = 0; e < one.bed.set.faces; e++)
         one.bed.set.wall_friction[e] = one.bed.set.kind[e] == BED_WALL ? HUGE_VAL : 0;
@@ -590,6 +590,14 @@ static void test_gas_that_is_not_packed_has_no_friction(void **state) {
         assert_memory_equal(one.bed.set.U[v], two.bed.set.U[v], (size_t)one.bed.set.cells * sizeof(double));
     box_free(&one);
     box_free(&two);
+}
+
+/* Cold gas under gravity lies on the bottom of its cell (lying_share): it rubs, though it fills the cell in part. */
+static void test_cold_gas_lies_in_its_cells(void **state) {
+    (void)state;
+    assert_true(lying_share(0, 10, 0.3) == 1 && fabs(lying_share(0, 10, 0.2) - 0.5) < 1e-15);
+    assert_true(fabs(lying_share(1, 10, 0.3) - 0.5) < 1e-15); /* half of the temperature at which it is a gas */
+    assert_true(lying_share(2, 10, 0.3) == 0 && lying_share(0, 10, 0.1) == 0 && lying_share(0, 0, 0.3) == 0);
 }
 
 /* A step of more than 1000 stages is not made, and ends soon also where pressures are beyond all bounds. */
@@ -698,6 +706,7 @@ int main(void) {
         cmocka_unit_test(test_stress_falls_to_the_yield_stress),
         cmocka_unit_test(test_momentum_and_energy),
         cmocka_unit_test(test_gas_that_is_not_packed_has_no_friction),
+        cmocka_unit_test(test_cold_gas_lies_in_its_cells),
         cmocka_unit_test(test_too_long_steps_fail),
         cmocka_unit_test(test_missing_axes),
         cmocka_unit_test(test_a_layer_rests_below_the_angle),
