@@ -272,7 +272,7 @@ static void slopes_visit(void *moving, long offset, int n) {
     const struct gas *g = m->g;
     const long size = g->forest->size;
     const double *phi = m->q->phi[m->tile] + offset, share = m->part.share;
-    double *to = g->carried->slope[m->tile] + offset, rho[BATCH], middle[BATCH];
+    double *to = g->carried->slope[m->tile] + offset, rho[BATCH] = {0}, middle[BATCH] = {0};
     struct row_slopes r = {.shift = {0}};
     memcpy(r.low, phi, (size_t)n * sizeof *phi);
     memcpy(r.high, phi, (size_t)n * sizeof *phi);
