@@ -13,7 +13,7 @@ static status run(const struct comm *c, double end) {
     struct forest *forest;
     struct gas *gas;
     const struct rule out = {.type = boundary_find("zeroGradient")};
-    const struct patch_rules ends[2] = {{out, out, out, false}, {out, out, out, false}};
+    const struct patch_rules end_of = {.density = out, .velocity = out, .temperature = out}, ends[2] = {end_of, end_of};
     const struct gas_models models = {
         .material = {.diameter = 0.01, .mass = 1, .restitution = 0.97, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find("GoldshteinShapiro"),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The memory of a bed, its primitive variables, and the order of the parts of a step. */
-#include "libcore/acoustics/bed_friction.h"
+#include "libcore/acoustics/bed_friction_private.h"
 
 #include <stdlib.h>
 

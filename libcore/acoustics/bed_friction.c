@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Friction in a bed: Coulomb's law |tau| <= Y with the pressure that the bed has, solved with the forces that act on it
- * (docs/physics.md 9.3; bed_friction.h).
+ * (docs/physics.md 9.3; bed_friction_private.h).
  *
  * Each face keeps a stress tau, a symmetric tensor without trace, from step to step. In a step
  *     tau' = th (tau + 2 G dt D'(V)),   th = min(1, Y/|tau + 2 G dt D'(u)|),   |a| = sqrt(a:a/2),
@@ -16,7 +16,7 @@
  *     push = mean of the cells' gains by friction + held (mean of the cells' gains by F - the face's own gain by F),
  * held: 1 where nothing yields. So a face between cells at rest is at rest, although the forces on it are not the mean
  * of those on its cells. */
-#include "libcore/acoustics/bed_friction.h"
+#include "libcore/acoustics/bed_friction_private.h"
 
 #include <stdlib.h>
 

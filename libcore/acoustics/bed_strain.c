@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gradients of the velocity in the cells of a bed, for the strain on its faces (bed_friction.c; docs/physics.md 9.3):
  * by least squares over packed neighbours and walls, exact for linear velocities. */
-#include "libcore/acoustics/bed_friction.h"
+#include "libcore/acoustics/bed_friction_private.h"
 
 /* A cell's matrix of least squares gains a = ALONE times its trace, for cells with neighbours along one axis alone. Its
  * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Friction in the step of a bed, between its files (bed_friction.c; docs/physics.md 9.3). */
-#ifndef LIBCORE_BED_FRICTION_H
-#define LIBCORE_BED_FRICTION_H
+#ifndef LIBCORE_BED_FRICTION_PRIVATE_H
+#define LIBCORE_BED_FRICTION_PRIVATE_H
 
 #include "libcore/acoustics/bed_private.h"
 
