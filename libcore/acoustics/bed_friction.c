@@ -14,8 +14,8 @@
  * On a face D comes from the difference between its cells and, along the face, from the gradients of both. Cells gain
  * what the faces' tractions give, so that momentum is kept. The faces' own velocities U, which carry the gas, gain
  *     push = mean of the cells' gains by friction + held (mean of the cells' gains by F - the face's own gain by F),
- * held: 1 where nothing yields. So a face between cells at rest is at rest, although the forces on it are not the mean
- * of those on its cells. */
+ * held: 1 where nothing yields; the second term is bounded by what Y bears on the face. So a face between cells at rest
+ * is at rest, although the forces on it are not the mean of those on its cells. */
 #include "libcore/acoustics/bed_friction_private.h"
 
 #include <stdlib.h>
@@ -24,15 +24,14 @@
  * packed gas would need many stages. Stages: rates are bounded from above by those of the differences across faces,
  * times SAFE, for the differences along them. */
 static const double SAFE = 1.2, SAFE_SKEW = 1.6;
-/* |RKC's polynomial| is at most 1/DAMPED from the rate on at which it stops to fall. */
+/* |RKC's polynomial| is at most 1/DAMPED where it no longer falls with the rate. */
 static const double DAMPED = 10;
 /* A step that would take more stages fails: half of it takes half as many. */
 enum { MOST_STAGES = 1000 };
 
-/* The cohesion of the surface ends so many cells below it. */
-static const double DEPTH = 2;
-/* Cells denser than this part of packing have it. In thinner gas it would be stiff. */
-static const double HALF = 0.1;
+/* The cohesion of the surface ends so many cells below it. Cells denser than this part of packing have it. */
+static const double DEPTH = 2, COHERES = 0.1;
+
 struct face_view { /* a face with friction */
     int face, left, right, shape;
     double n[MAX_DIM], to[MAX_DIM], depth; /* normal; between the centres, or from the centre to the wall */
@@ -269,8 +268,8 @@ static void freeze(const struct bed *b, double dt, const double gravity[MAX_DIM]
         strain_of(b, &v, b->lines->u, D);
         const double c = modulus * smaller(1, l.light / b->limit), surface = surface_cohesion(b, &v, &l, gravity);
         double Y = yield_of(b, &v, &l, size_of(b, D));
-        r->bears[f] = Y > 0 && l.heavy > HALF * b->limit ? Y + surface : Y;
-        if (Y > 0 && l.light > HALF * b->limit) Y += surface;
+        r->bears[f] = Y > 0 && l.heavy > COHERES * b->limit ? Y + surface : Y;
+        if (Y > 0 && l.light > COHERES * b->limit) Y += surface;
         for (int i = 0; i < r->tensors; i++) T[i] = b->set.stress[i][f] + c * D[i];
         const double size = size_of(b, T), part = !(Y > 0) ? 0 : size > Y ? Y / size : 1;
         r->part[f] = part;
@@ -461,7 +460,7 @@ static void find_stress(const struct bed *b, const double gravity[MAX_DIM]) {
         const struct load l = load_of(b, &v, gravity);
         strain_of(b, &v, r->V, D);
         double Y = yield_of(b, &v, &l, size_of(b, D));
-        if (l.light > HALF * b->limit) Y += surface_cohesion(b, &v, &l, gravity);
+        if (l.light > COHERES * b->limit) Y += surface_cohesion(b, &v, &l, gravity);
         for (int i = 0; i < r->tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
         const double size = size_of(b, D), part = size > Y ? Y / size : 1;
         for (int i = 0; i < r->tensors; i++) b->set.stress[i][f] = part * D[i];

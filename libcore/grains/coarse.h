@@ -31,8 +31,8 @@ struct coarse_grid {
     double low[3], h[3]; /* m: lower corner, size of a cell */
     bool periodic[3];
     enum coarse_kernel kernel;
-    double width;          /* m, at most the longest side of the grid */
-    double mass, diameter; /* kg, m: of a grain */
+    double width;                  /* m, at most the longest side of the grid */
+    double mass, diameter;         /* kg, m: of a grain */
     const struct grain_mesh *mesh; /* its cells stand in place of those of the grid, with COARSE_CELL; NULL: no */
     bool rough; /* are spins and the whole stress of contacts summed, too? For coarse_rough, coarse_contact */
 };

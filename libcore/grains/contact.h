@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forces of soft spheres in contact (docs/physics.md 10.5), as LAMMPS's pair_style granular has them: a spring and a damper along the normal,
- * a spring with Coulomb's limit along the tangent (Cundall & Strack, Geotechnique 29 (1979) 47).
+/* Forces of soft spheres in contact (docs/physics.md 10.5), as LAMMPS's pair_style granular has them: a spring and a
+ * damper along the normal, a spring with Coulomb's limit along the tangent (Cundall & Strack, Geotechnique 29 (1979)
+ * 47).
  *
  *   linear:  F = k delta + eta v                                   k = kn
  *   hertz:   F = k sqrt(R delta) delta + damper                    k = 4/3 E*, E* = E/(2 (1 - nu^2))
