@@ -10,7 +10,7 @@ MOMENTS = 0, 0.04, 0.08, 0.12, 0.16  # s
 
 def main(folder):
     case = haff.Case(folder)
-    fig, axes = figures.panels(1, len(MOMENTS), width=1.7, height=2.2)
+    fig, axes = figures.panels(1, len(MOMENTS), width=9, height=3)
     low, high = 1e3 * case.mesh.points.min(axis=0), 1e3 * case.mesh.points.max(axis=0)
     column, row = (np.unique(np.round(case.centres[:, k], 9), return_inverse=True)[1] for k in (0, 1))
     picture = np.full((row.max() + 1, column.max() + 1), np.nan)
