@@ -29,7 +29,7 @@ static const double DAMPED = 10;
 /* A step that would take more stages fails: half of it takes half as many. */
 enum { MOST_STAGES = 1000 };
 
-/* The cohesion of the surface ends so many cells below it. Cells denser than this part of packing have it. */
+/* The cohesion of the surface reaches DEPTH cells down; cells denser than COHERES times packing have it. */
 static const double DEPTH = 2, COHERES = 0.1;
 
 struct face_view { /* a face with friction */

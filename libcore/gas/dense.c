@@ -8,7 +8,7 @@
  * The bed's cells keep their state through the stages. They come last, with the fluxes of the stages towards the
  * others, because a pressure that the sources changed last would be out of balance with the weight. Gravity acts on the
  * bed in the acoustics, on other cells as in explicit steps. Where no cell is dense, or a step would not be much
- * longer, steps are explicit, to the bit. */
+ * longer, steps are explicit, to the bit; friction then acts on packed gas behind the stages (dense_rub). */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>

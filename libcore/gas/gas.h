@@ -159,7 +159,7 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
 /* Can a gas of these models ever take such steps? */
 bool gas_may_be_dense(const struct gas_models *m);
 static inline bool gas_rubs(const struct gas_models *m) { /* is there friction? */
-    return m->friction && m->friction->on;
+    return friction_acts(m->friction);
 }
 /* Returns the largest inertial number (docs/physics.md 4.8) |u| sigma/(h sqrt(p/rho of a grain)) of dense cells in the
  * last gas_bed_step, an upper estimate as u may change over more than a cell; HUGE_VAL if there was no bed. */

@@ -33,7 +33,7 @@ struct coarse_grid {
     enum coarse_kernel kernel;
     double width;                  /* m, at most the longest side of the grid */
     double mass, diameter;         /* kg, m: of a grain */
-    const struct grain_mesh *mesh; /* its cells stand in place of those of the grid, with COARSE_CELL; NULL: no */
+    const struct grain_mesh *mesh; /* its cells are used and not those of the grid, with COARSE_CELL; NULL: none */
     bool rough; /* are spins and the whole stress of contacts summed, too? For coarse_rough, coarse_contact */
 };
 enum coarse_field {

@@ -47,7 +47,7 @@ double dem_run_friction(const struct dem_run *r); /* J: what friction took up to
 
 /* Advances one piece of at most some tenths of a second of the clock towards `until`. *sampled: was a sample taken? */
 status dem_run_piece(struct dem_run *r, double until, bool *sampled);
-status dem_run_look(struct dem_run *r); /* takes the moment of now, unless it is there */
+status dem_run_look(struct dem_run *r); /* takes the present moment, unless it is there */
 status dem_run_save(struct dem_run *r, const char *folder, const char *location, struct checksums *sums);
 struct averages_moment dem_run_averaged(const struct dem_run *r);
 

@@ -155,10 +155,11 @@ static status diffusion_suits(struct dict *d, void *base) {
 static status acoustics_suits(struct dict *d, void *base) {
     const struct gas_models *m = &((struct case_models *)base)->gas;
     if (friction_acts(m->friction) && !m->acoustics->implicit)
-        return dict_fail(d, "type",
-                         "friction %s acts in implicit acoustic steps alone: say  type automatic;  or  type implicit;  "
-                         "or  friction { type none; }  in constant/granularProperties",
-                         m->friction->model.name);
+        return dict_fail(
+            d, "type",
+            "friction %s lets packed gas rest in implicit acoustic steps: say  type automatic;  or  type implicit;  "
+            "or  friction { type none; }  in constant/granularProperties",
+            m->friction->model.name);
     if (!m->acoustics->implicit || m->acoustics->automatic || m->eos->bounded) return OK;
     return dict_fail(d, "type",
                      "implicit acoustics are for gas near packing, and %s has no alphaMax: say  type explicit;",

@@ -256,7 +256,7 @@ DICTIONARIES = [
         "perfectGas has no alphaMax", "type none;", at="friction", where=PROPERTIES),
     Row("friction with explicit acoustics", both(replace(PROPERTIES, "transport none;", "transport none; friction { type muI; }"),
                                                  append(SOLUTION, "acoustics { type explicit; }\n")),
-        "friction muI acts in implicit acoustic steps", "type automatic;", at="type explicit;", where=SOLUTION),
+        "friction muI lets packed gas rest in implicit acoustic steps", "type automatic;", at="type explicit;", where=SOLUTION),
     Row("GarzoDufty without a diameter", both(replace(PROPERTIES, "diameter 0.1;", "diameter 0;"), garzo_dufty("")),
         "grains without a diameter do not collide", "transport none;", at="transport GarzoDufty;", where=PROPERTIES),
     Row("misspelt GarzoDuftyCoeffs", garzo_dufty("GarzoDuffyCoeffs { knudsenCut 0.1; }"),
