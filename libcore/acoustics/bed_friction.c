@@ -218,39 +218,43 @@ static double norm_of(const struct bed *b, const double *a) {
     return sqrt(square);
 }
 
-struct load { /* on a face: the larger pressure of its cells there; s times that; densities */
-    double p, carried, heavy, light;
+struct load { /* on a face: the pressure on it; s times that; the lesser density of its cells */
+    double p, carried, light;
 };
+static double lightest(const struct bed *b, const struct face_view *v) {
+    return smaller(b->lines->rho[v->left < 0 ? v->right : v->left], b->lines->rho[v->right < 0 ? v->left : v->right]);
+}
+
+/* The pressure is that with which the acoustics moves the cells, p_f (bed.h): at a free surface that of the lighter
+ * side. With the larger P of both sides a steep front would hang on the packed gas behind it. */
 static struct load load_of(const struct bed *b, const struct face_view *v, const double gravity[MAX_DIM]) {
-    struct load out = {0, 0, 0, HUGE_VAL};
-    for (int right = 0; right < 2; right++) {
-        const int cell = right ? v->right : v->left;
-        if (cell < 0) continue;
-        const double p = load_at(b, v->face, right, gravity), rho = b->lines->rho[cell];
-        out.p = larger(out.p, p);
-        out.carried = larger(out.carried, b->rub->share[cell] * p);
-        out.heavy = larger(out.heavy, rho);
-        out.light = smaller(out.light, rho);
-    }
-    return out;
+    const int first = v->left < 0 ? v->right : v->left, last = v->right < 0 ? v->left : v->right;
+    const double rho[2] = {b->lines->rho[first], b->lines->rho[last]};
+    const double P[2] = {load_at(b, v->face, v->left < 0, gravity), load_at(b, v->face, v->right >= 0, gravity)};
+    const double p = larger((rho[1] * P[0] + rho[0] * P[1]) / (rho[0] + rho[1]), 0);
+    const double share = larger(b->rub->share[first], b->rub->share[last]);
+    return (struct load){p, share * p, lightest(b, v)};
 }
 
 /* Returns the cohesion of the surface, by which a step of one cell stands. */
 static double surface_cohesion(const struct bed *b, const struct face_view *v, const struct load *l,
                                const double gravity[MAX_DIM]) {
-    const double step = l->heavy * norm_of(b, gravity) * v->depth;
-    return step > 0 ? b->friction.params.surface_cohesion * step * larger(1 - l->p / (DEPTH * step), 0) : 0;
+    const double step = l->light * norm_of(b, gravity) * v->depth;
+    return step > 0 && l->light > COHERES * b->limit
+               ? b->friction.params.surface_cohesion * step * larger(1 - l->p / (DEPTH * step), 0)
+               : 0;
 }
 
-/* Returns Y of a face without the cohesion of the surface: s mu(I) P. */
-static double yield_of(const struct bed *b, const struct face_view *v, const struct load *l, double strain) {
+/* Returns Y of a face: s mu(I) P and cohesion. */
+static double yield_of(const struct bed *b, const struct face_view *v, const double gravity[MAX_DIM], double strain) {
     const struct friction_params *f = &b->friction.params;
+    const struct load l = load_of(b, v, gravity);
     double mu, inertia;
-    if (!(l->carried > 0)) return 0;
-    inertia = 2 * strain * b->friction.grain / sqrt(l->p);
+    if (!(l.carried > 0)) return 0;
+    inertia = 2 * strain * b->friction.grain / sqrt(l.p);
     b->friction.law->coefficient(f, 1, &inertia, &mu);
     if (b->set.kind[v->face] == BED_WALL) mu = smaller(mu, b->set.wall_friction[v->face]);
-    return mu * l->carried + f->cohesion;
+    return mu * l.carried + f->cohesion + surface_cohesion(b, v, &l, gravity);
 }
 
 /* Freezes th and the coefficients of all faces, with the rates of strain of the velocity at the start. */
@@ -263,17 +267,14 @@ static void freeze(const struct bed *b, double dt, const double gravity[MAX_DIM]
     for (int e = 0; e < r->faces; e++) {
         const int f = r->face[e];
         const struct face_view v = view_of(b, f);
-        const struct load l = load_of(b, &v, gravity);
         double D[TENSOR], T[TENSOR];
         strain_of(b, &v, b->lines->u, D);
-        const double c = modulus * smaller(1, l.light / b->limit), surface = surface_cohesion(b, &v, &l, gravity);
-        double Y = yield_of(b, &v, &l, size_of(b, D));
-        r->bears[f] = Y > 0 && l.heavy > COHERES * b->limit ? Y + surface : Y;
-        if (Y > 0 && l.light > COHERES * b->limit) Y += surface;
+        const double c = modulus * smaller(1, lightest(b, &v) / b->limit), Y = yield_of(b, &v, gravity, size_of(b, D));
         for (int i = 0; i < r->tensors; i++) T[i] = b->set.stress[i][f] + c * D[i];
         const double size = size_of(b, T), part = !(Y > 0) ? 0 : size > Y ? Y / size : 1;
         r->part[f] = part;
         r->stiff[f] = part * c;
+        r->bears[f] = Y;
         for (int i = 0; i < r->tensors; i++) r->base[i][f] = part * b->set.stress[i][f];
     }
 }
@@ -457,10 +458,8 @@ static void find_stress(const struct bed *b, const double gravity[MAX_DIM]) {
         double D[TENSOR];
         if (r->part[f] == 0) continue;
         const struct face_view v = view_of(b, f);
-        const struct load l = load_of(b, &v, gravity);
         strain_of(b, &v, r->V, D);
-        double Y = yield_of(b, &v, &l, size_of(b, D));
-        if (l.light > COHERES * b->limit) Y += surface_cohesion(b, &v, &l, gravity);
+        const double Y = yield_of(b, &v, gravity, size_of(b, D));
         for (int i = 0; i < r->tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
         const double size = size_of(b, D), part = size > Y ? Y / size : 1;
         for (int i = 0; i < r->tensors; i++) b->set.stress[i][f] = part * D[i];

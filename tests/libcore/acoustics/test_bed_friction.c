@@ -345,20 +345,21 @@ static void test_sheared_gas_has_the_yield_stress(void **state) {
 static double yield_of_face(const struct box *x, const double *p, int f, double g) {
     const struct bed_set *b = &x->bed.set;
     const bool across = b->shape[f] == 1;
-    double carried = 0, heavy = 0, light = HUGE_VAL, P = 0, depth = 0;
+    double share = 0, light = HUGE_VAL, P = 0, weights = 0, depth = 0;
     for (int right = 0; right < 2; right++) {
-        const int i = right ? b->right[f] : b->left[f];
+        const int i = right ? b->right[f] : b->left[f], other = right ? b->left[f] : b->right[f];
         if (i < 0) continue;
         const double rho = x->bed.lines->rho[i], s = (rho * packing_per_density(&x->material) - 0.5) / 0.076;
-        const double here = p[i] + (across ? (right ? 0.5 : -0.5) * rho * g : 0);
-        carried = larger(carried, smaller(larger(s, 0), 1) * here);
-        P = larger(P, here);
-        heavy = larger(heavy, rho);
+        const double weight = x->bed.lines->rho[other < 0 ? i : other];
+        share = larger(share, smaller(larger(s, 0), 1));
+        P += weight * (p[i] + (across ? (right ? 0.5 : -0.5) * rho * g : 0));
+        weights += weight;
         light = smaller(light, rho);
         depth += 0.5;
     }
-    const double weight = heavy * g * depth, k = light > 0.1 * x->bed.limit ? 0.5 : 0;
-    return carried > 0 ? 0.38 * carried + 0.1 + k * weight * larger(0, 1 - P / (2 * weight)) : 0;
+    P = larger(P / weights, 0);
+    const double weight = light * g * depth, k = light > 0.1 * x->bed.limit ? 0.5 : 0;
+    return share * P > 0 ? 0.38 * share * P + 0.1 + k * weight * larger(0, 1 - P / (2 * weight)) : 0;
 }
 
 /* Stress beyond the yield stress falls to it at once, whatever stands beside a face. */
