@@ -27,6 +27,7 @@ struct outcome {
     int steps, cells;
     int beds; /* steps that were planned with implicit acoustics; some may have been made without */
     struct gas_counts counts;
+    bool left;      /* was it stopped at the bound of questions? */
     double end;     /* s: where the run was to end */
     double reached; /* share of that */
     double least;   /* dt taken over the Courant step, the smallest */
