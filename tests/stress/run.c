@@ -450,6 +450,7 @@ static void print_step(const struct scene *s, int step, double t, double dt, dou
     if (s->gas->books.audit) status_free(gas_budget(s->gas, &b));
     if (!comm_root(s->comm)) return;
     printf("  step %d t %.6g dt %.4g of %.4g by %s, rejected %ld", step, t, dt, stable, limit, c.rejected);
+    if (s->problem->friction) printf(", friction gave %.3g of %.3g", b.gained[GAS_CONTACTS], b.energy);
     if (s->gas->dense)
         printf(", implicit %ld of %ld cells, lost %.3g, lift %.3g, limited %ld, floored %ld", c.beds, c.bed_cells,
                b.lost[1], c.lift, c.cells, c.floored);
