@@ -127,7 +127,9 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
            p->edge == CLOSED     ? "closed"
            : p->edge == PERIODIC ? "periodic"
                                  : "open",
-           p->dim, p->polyhedral ? "polyhedra" : "lattice");
+           p->dim, !p->polyhedral                             ? "lattice"
+           : p->shape == TRIANGLES || p->shape == TETS ? "simplices"
+                                                       : "boxes");
     if (p->acoustics)
         printf("  %ld implicit steps, %.3g Newton a step, %.3g linear each, lifted %ld\n", o->counts.beds,
                (double)o->counts.newton / larger((double)o->counts.beds, 1),
