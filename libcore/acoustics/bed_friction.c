@@ -356,7 +356,7 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
     }
     for (int e = 0; e < r->faces; e++) {
         const int f = r->face[e];
-        if (b->set.kind[f] != BED_WALL) continue;
+        if (b->set.kind[f] != BED_WALL && b->friction.params.heating == 0) continue;
         for (int k = 0; k < b->components; k++)
             r->through[j % LINES][k][f] = c.last * r->through[(j + LINES - 1) % LINES][k][f] +
                                           c.older * r->through[(j + LINES - 2) % LINES][k][f] +
@@ -527,8 +527,27 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     return OK;
 }
 
-/* Returns the energy (J/m^3) that friction gives to a cell whose velocity it changes alone. */
-static double rub_cell(const struct bed *b, int i) {
+double bed_warms(const struct bed *b, double dt, int i, double *const *end, double more) {
+    const struct bed_lines *x = b->lines;
+    double sum = 0;
+    if (b->friction.params.heating == 0) return 0;
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const int other = bed_across(b, &s);
+        const double area = b->set.shapes->area[s.shape];
+        if (!bed_rubs_at(b, s.face)) continue;
+        for (int k = 0; k < b->components; k++) {
+            const double mine = 0.5 * (x->u[k][i] + end[k][i]);
+            const double slips = other < 0 ? b->set.wall_speed[k][s.face] - mine
+                                           : 0.5 * (0.5 * (x->u[k][other] + end[k][other]) - mine);
+            sum += s.sign * area * x->traction[k][s.face] * slips;
+        }
+    }
+    return b->friction.params.heating * larger(dt / b->set.shapes->volume[b->set.body[i]] * sum + more, 0);
+}
+
+/* Returns the energy (J/m^3) that friction gives to a cell whose velocity it changes alone, over dt. */
+static double rub_cell(const struct bed *b, double dt, int i) {
     const struct bed_lines *x = b->lines;
     const int last = b->components + 1;
     double work = 0;
@@ -537,7 +556,7 @@ static double rub_cell(const struct bed *b, int i) {
         b->set.U[k + 1][i] += x->rho[i] * x->rubbed[k][i];
     }
     work *= x->rho[i];
-    const double heat = b->friction.params.heating * larger(-work, 0);
+    const double heat = bed_warms(b, dt, i, b->rub->V, 0);
     b->set.U[last][i] += work + heat;
     return work + heat;
 }
@@ -551,7 +570,7 @@ status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bo
         b->set.lift[block] = b->set.work[block] = b->set.peak[block] = b->set.rubbed[block] = 0;
         b->set.peak_cell[block] = 0;
         for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++)
-            b->set.rubbed[block] += b->set.shapes->volume[b->set.body[i]] * rub_cell(b, i);
+            b->set.rubbed[block] += b->set.shapes->volume[b->set.body[i]] * rub_cell(b, dt, i);
     }
     for (int v = 0; v < b->components + 2; v++) memset(b->set.kept[v], 0, (size_t)b->set.faces * sizeof(double));
     bed_add_tractions(b);

@@ -15,7 +15,7 @@ struct bed_friction {
     double *fit[MAX_DIM];                            /* [sides] derivative = sum of fit times differences */
     double *stiff;                                   /* [faces] 2 th G dt */
     double *base[TENSOR], *traction[MAX_DIM];        /* [faces] th tau; tau' n in a stage */
-    double *through[LINES][MAX_DIM];                 /* [faces] of walls: their traction, as gain */
+    double *through[LINES][MAX_DIM];                 /* [faces] where it is wanted: their traction, as gain */
     double *part, *bears;                            /* [faces] th; Pa, the most that friction can bear there */
     int *face, faces;                                /* those with friction */
     double *cells, *sides, *of_faces;                /* the memory of the lines */

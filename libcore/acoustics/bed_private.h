@@ -20,8 +20,8 @@ struct bed_lines {
     /* [faces] U without pressures; dt/(rho_f d_f), 0 where U does not depend on p; pressure beyond the face; U;
      * p_f; of the cells on the left and on the right: P, and their heat, J/(m^2 s) */
     double *drift, *give, *beyond, *U, *p_face, *P[2], *heat[2];
-    /* of friction; without it NULL: [faces] gain of U by it, traction of walls (Pa) from left to right; [cells +
-     * ghosts] gain of u */
+    /* of friction; without it NULL: [faces] gain of U by it, traction (Pa) on the left side, of inner faces only where
+     * it heats; [cells + ghosts] gain of u */
     double *push, *traction[MAX_DIM], *rubbed[MAX_DIM];
     /* the links of the linear system */
     int *link_first, *link;
@@ -97,6 +97,10 @@ status bed_set_blocks(struct bed_set *s, int blocks);
 status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides);
 /* Readies the set for a step: lists, states and primitive variables. Collective. */
 status bed_ready(struct bed *b);
+/* Returns the heat (J/m^3) of the gas by the sliding of a cell's grains over dt: `heating` of the work of the faces'
+ * tractions on the differences of velocity across them, half of it on either side. end: [cells + ghosts] velocities at
+ * the end; more: J/m^3 that friction takes besides. */
+double bed_warms(const struct bed *b, double dt, int i, double *const *end, double more);
 /* Adds the tractions of walls, and their work, to the fluxes through them. */
 void bed_add_tractions(struct bed *b);
 /* bed_deal.c. On one rank these do nothing; else they are collective. */

@@ -74,8 +74,8 @@ ALWAYS_INLINE void gradients_with(const struct bed *b, double *const *V, struct 
     const struct bed_friction *r = b->rub;
     for (int i = 0; i < b->set.cells; i++) {
         double sum[MAX_DIM][MAX_DIM] = {{0}};
-        if (r->share[i] == 0) continue;
-        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const int last = r->share[i] > 0 ? b->set.face_start[i + 1] : b->set.face_start[i]; /* a face may read 0 */
+        for (int j = b->set.face_start[i]; j < last; j++) {
             const struct bed_side s = bed_side(b, j);
             if (b->set.kind[s.face] > BED_WALL) continue;
             for (int m = 0; m < n.components; m++) {

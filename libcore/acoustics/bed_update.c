@@ -230,20 +230,25 @@ static double work_on_cell(const struct bed *b, double dt, const double gravity[
     return dt * (sum / b->set.shapes->volume[b->set.body[i]] + 0.5 * x->rho[i] * carried);
 }
 
-/* Returns the energy (J/m^3) that friction gives to a cell: its work on the cell's velocity, and with the heat that the
- * faces lack by it (heat_of_side) that on U. */
-static double rubbed_in_cell(const struct bed *b, double dt, int i) {
+/* Returns the work (J/m^3) of friction on the velocity of a cell. */
+static double rubbed_in_cell(const struct bed *b, int i) {
     const struct bed_lines *x = b->lines;
-    double sum = 0, moved = 0;
-    if (!b->rub) return 0;
+    double moved = 0;
     for (int k = 0; k < b->components; k++) moved += x->rubbed[k][i] * (x->u[k][i] + x->after[k + 1][i]);
+    return 0.5 * x->rho[i] * moved;
+}
+
+/* Returns the work (J/m^3) of friction on U, with the heat that the faces of a cell lack by it (heat_of_side). */
+static double rubbed_on_faces(const struct bed *b, double dt, int i) {
+    const struct bed_lines *x = b->lines;
+    double sum = 0;
     for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
         const double mean =
             0.5 * (bed_normal_speed(b, x->u, i, s.shape) + bed_normal_speed(b, x->after + 1, i, s.shape));
         sum += s.sign * b->set.shapes->area[s.shape] * carried(b, &s, i, dt) * (x->U[s.face] - mean);
     }
-    return 0.5 * x->rho[i] * moved + dt * sum / b->set.shapes->volume[b->set.body[i]];
+    return dt * sum / b->set.shapes->volume[b->set.body[i]];
 }
 
 /* Sets eps behind acoustics, and counts lifting and work. Returns whether no cell was lifted too much. */
@@ -255,8 +260,9 @@ static bool find_eps(struct bed *b, double dt, const double gravity[MAX_DIM]) {
         b->set.lift[block] = b->set.work[block] = b->set.rubbed[block] = 0;
         for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
             const double V = b->set.shapes->volume[b->set.body[i]], least = least_of(b, i);
-            const double rubbed = rubbed_in_cell(b, dt, i);
-            const double warms = b->rub ? b->friction.params.heating * larger(-rubbed, 0) : 0;
+            const double moved = b->rub ? rubbed_on_faces(b, dt, i) : 0,
+                         rubbed = b->rub ? rubbed_in_cell(b, i) + moved : 0,
+                         warms = b->rub ? bed_warms(b, dt, i, b->lines->after + 1, -moved) : 0;
             const double eps = b->rub ? eps_after(b, dt, i) + warms / b->lines->rho[i] : eps_after(b, dt, i);
             const double lift = eps < least ? b->lines->rho[i] * (least - eps) : 0;
             after[i] = larger(eps, least);
@@ -275,7 +281,7 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     find_pressures(b, gravity);
     find_face_pressures(b, dt, gravity);
     for (int i = 0; i < b->set.cells; i++) move_cell(b, dt, gravity, i);
-    bed_fill(b, b->dim, b->lines->after + 1);
+    bed_fill(b, b->rub && b->friction.params.heating > 0 ? b->components : b->dim, b->lines->after + 1);
     find_heat(b, dt);
     pass_heat(b, dt);
     const bool fine = find_eps(b, dt, gravity);

@@ -156,7 +156,7 @@ void gas_resume(struct gas *g, const struct gas_counts *counts, const double *li
     g->counts.now.energy = counts->energy;
     memcpy(g->counts.now.fill, counts->fill, sizeof counts->fill);
     memcpy(g->counts.now.place, counts->place, sizeof counts->place);
-    if (g->dense && g->models.acoustics->automatic) {
+    if (g->dense) {
         g->dense->pause = counts->pause[0];
         g->dense->paused = counts->pause[1];
     }

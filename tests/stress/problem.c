@@ -265,6 +265,8 @@ const struct family family_table[FAMILIES] = {
      implicit_at},
     {"sections", "the disks and spheres of `inelastic` in 1D and 2D that move along axes the mesh lacks, too",
      sections_draw, sections_at},
+    {"friction", "packed gas with friction: slopes, columns, heaps, drops, sheared, drained, shaken", friction_draw,
+     friction_at},
 };
 
 int family_find(const char *name) {

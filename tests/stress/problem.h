@@ -22,6 +22,7 @@ struct wall { /* of a closed side; NULL: slip and zeroGradient */
     const char *velocity, *temperature;
     double along, value; /* its velocity along the second axis, or along the first if it stands across that one */
     double specularity, restitution; /* of JohnsonJacksonSlip */
+    double mu;                       /* coefficient of friction of packed gas; < 0: rough */
 };
 
 struct gate { /* of an open side; NULL: zeroGradient */
@@ -49,6 +50,8 @@ struct problem {
     const struct diffusion *diffusion;
     const struct acoustics *acoustics; /* NULL: explicit */
     struct own_params acoustics_params;
+    const struct friction *friction; /* NULL: none */
+    struct friction_params friction_params;
     double alpha_floor, densest; /* densest: alpha of a cell at most, in families with transport */
     struct wall wall[6];
     struct gate gate[6];
@@ -66,7 +69,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 21 };
+enum { FAMILIES = 22 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);
@@ -97,6 +100,9 @@ void settled_at(const struct problem *p, const struct place *where, struct point
 void implicit_draw(struct problem *p, struct seed *s);
 void implicit_cells_draw(struct problem *p, struct seed *s);
 void implicit_at(const struct problem *p, const struct place *where, struct point *out);
+/* The row with friction (tests/stress/friction.c). */
+void friction_draw(struct problem *p, struct seed *s);
+void friction_at(const struct problem *p, const struct place *where, struct point *out);
 
 struct problem problem_draw(int family, uint64_t seed);
 /* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */

@@ -15,6 +15,7 @@ struct run_options {
     bool bare;       /* the engine as it is: nothing is checked but the last state */
     bool full;       /* uniform regions are computed, too */
     bool explicit;   /* sound limits dt everywhere */
+    int restart;     /* a restart ahead of this step; 0: none */
     bool verbose;    /* a line per step */
 };
 enum verdict { FINISHED, CAPPED, COLLAPSED, STATED, FAILED, VERDICTS };
@@ -26,6 +27,7 @@ struct outcome {
     int steps, cells;
     int beds; /* steps that were planned with implicit acoustics; some may have been made without */
     struct gas_counts counts;
+    bool left;      /* was it stopped at the bound of questions? */
     double end;     /* s: where the run was to end */
     double reached; /* share of that */
     double least;   /* dt taken over the Courant step, the smallest */
@@ -33,6 +35,7 @@ struct outcome {
     double packed_at_first;
     double drift[CONSERVED];    /* of what was conserved, in units of its bound in watch.c; -1: not conserved here */
     double relative[CONSERVED]; /* the same over the sum of magnitudes: in the report */
+    double rubbed;              /* the most energy that friction gave, over the largest that there was */
     double source;              /* worst difference of a source step from the exact one, in units of its bound */
     uint64_t checksum;          /* of the last state */
 };

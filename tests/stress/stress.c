@@ -102,6 +102,16 @@ static void print_transport(const struct problem *p, const struct outcome *o) {
     printf("\n");
 }
 
+static void print_friction(const struct problem *p, const struct outcome *o) {
+    const struct friction_params *f = &p->friction_params;
+    printf("  %s mu %.3g to %.3g, I0 %.3g, s from %.3g to %.3g, G %.3g, cohesion %.3g, %.3g, heats %.3g: gave %.3g;"
+           " %d components, walls",
+           p->friction->model.name, f->mu_static, f->mu_dynamic, f->I0, f->alpha_friction, f->alpha_solid, f->modulus,
+           f->cohesion, f->surface_cohesion, f->heating, o->rubbed, p->components ? p->components : p->dim);
+    for (int i = 0; i < 2 * p->dim; i++) printf(" (%s %.2g %.2g)", p->wall[i].velocity, p->wall[i].mu, p->wall[i].along);
+    printf("\n");
+}
+
 static void print_outcome(const struct problem *p, const struct scheme *s, const struct outcome *o) {
     static const char *const words[] = {"finished", "capped", "collapsed", "stated", "FAILED"};
     printf("%s seed %llu %s/%s/%s/%s/%g: %s, %d steps, %d cells; limited %ld cells %ld faces, floored %ld, rejected "
@@ -117,11 +127,14 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
            p->edge == CLOSED     ? "closed"
            : p->edge == PERIODIC ? "periodic"
                                  : "open",
-           p->dim, p->polyhedral ? "polyhedra" : "lattice");
+           p->dim, !p->polyhedral                             ? "lattice"
+           : p->shape == TRIANGLES || p->shape == TETS ? "simplices"
+                                                       : "boxes");
     if (p->acoustics)
         printf("  %ld implicit steps, %.3g Newton a step, %.3g linear each, lifted %ld\n", o->counts.beds,
                (double)o->counts.newton / larger((double)o->counts.beds, 1),
                (double)o->counts.linear / larger((double)o->counts.newton, 1), o->counts.lifted);
+    if (p->friction) print_friction(p, o);
     if (p->transport) print_transport(p, o);
     if (o->why[0]) printf("  %s\n", o->why);
 }
