@@ -235,11 +235,17 @@ static struct load load_of(const struct bed *b, const struct face_view *v, const
     return out;
 }
 
+/* Is a face on a wall that grains slip on before they yield? Grains do not cohere with it. */
+static bool slips_at(const struct bed *b, int f) {
+    return b->set.kind[f] == BED_WALL && b->set.wall_friction[f] < HUGE_VAL;
+}
+
 /* Returns the cohesion of the surface, by which a step of one cell stands. */
 static double surface_cohesion(const struct bed *b, const struct face_view *v, const struct load *l,
                                const double gravity[MAX_DIM]) {
     const double step = l->heavy * norm_of(b, gravity) * v->depth;
-    return step > 0 ? b->friction.params.surface_cohesion * step * larger(1 - l->p / (DEPTH * step), 0) : 0;
+    if (!(step > 0) || slips_at(b, v->face)) return 0;
+    return b->friction.params.surface_cohesion * step * larger(1 - l->p / (DEPTH * step), 0);
 }
 
 /* Returns Y of a face without the cohesion of the surface: s mu(I) P. */
@@ -249,7 +255,7 @@ static double yield_of(const struct bed *b, const struct face_view *v, const str
     if (!(l->carried > 0)) return 0;
     inertia = 2 * strain * b->friction.grain / sqrt(l->p);
     b->friction.law->coefficient(f, 1, &inertia, &mu);
-    if (b->set.kind[v->face] == BED_WALL) mu = smaller(mu, b->set.wall_friction[v->face]);
+    if (slips_at(b, v->face)) return smaller(mu, b->set.wall_friction[v->face]) * l->carried;
     return mu * l->carried + f->cohesion;
 }
 
@@ -342,6 +348,7 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
     const struct bed_friction *r = b->rub;
     double *const *to = r->gain[j % LINES], *const *one = r->gain[(j + LINES - 1) % LINES],
                   *const *two = r->gain[(j + LINES - 2) % LINES];
+    const bool warms = b->friction.params.heating > 0;
     for (int i = 0; i < b->set.cells; i++) {
         double sum[MAX_DIM] = {0};
         for (int e = b->set.face_start[i]; e < b->set.face_start[i + 1]; e++) {
@@ -355,7 +362,7 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
     }
     for (int e = 0; e < r->faces; e++) {
         const int f = r->face[e];
-        if (b->set.kind[f] != BED_WALL) continue;
+        if (b->set.kind[f] != BED_WALL && !warms) continue;
         for (int k = 0; k < b->components; k++)
             r->through[j % LINES][k][f] = c.last * r->through[(j + LINES - 1) % LINES][k][f] +
                                           c.older * r->through[(j + LINES - 2) % LINES][k][f] +
@@ -515,9 +522,9 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     if (!*done) return OK;
     find_velocity(b, 1, r->gain[last]);
     bed_find_gradients(b, r->V);
+    if (driven || b->friction.params.heating > 0) bed_fill(b, b->components, r->gain[last]);
     if (driven) {
         find_held(b);
-        bed_fill(b, b->components, r->gain[last]);
         find_push(b, dt, gravity, r->gain[last]);
     }
     find_stress(b, gravity);
@@ -528,8 +535,26 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     return OK;
 }
 
+double bed_rub_heat(const struct bed *b, double dt, int i) {
+    double *const *u = b->lines->u, *const *after = b->lines->after + 1;
+    double sum = 0;
+    if (!b->rub || b->friction.params.heating == 0) return 0;
+    for (int e = b->set.face_start[i]; e < b->set.face_start[i + 1]; e++) {
+        const struct bed_side s = bed_side(b, e);
+        const int other = bed_across(b, &s);
+        double work = 0;
+        if (!bed_rubs_at(b, s.face)) continue;
+        for (int k = 0; k < b->components; k++) {
+            const double beyond = other < 0 ? b->set.wall_speed[k][s.face] : 0.5 * (u[k][other] + after[k][other]);
+            work += s.sign * b->lines->traction[k][s.face] * (beyond - 0.5 * (u[k][i] + after[k][i]));
+        }
+        sum += (other < 0 ? 1 : 0.5) * b->set.shapes->area[s.shape] * work;
+    }
+    return b->friction.params.heating * dt * sum / b->set.shapes->volume[b->set.body[i]];
+}
+
 /* Returns the energy (J/m^3) that friction gives to a cell whose velocity it changes alone. */
-static double rub_cell(const struct bed *b, int i) {
+static double rub_cell(const struct bed *b, double dt, int i) {
     const struct bed_lines *x = b->lines;
     const int last = b->components + 1;
     double work = 0;
@@ -538,7 +563,7 @@ static double rub_cell(const struct bed *b, int i) {
         b->set.U[k + 1][i] += x->rho[i] * x->rubbed[k][i];
     }
     work *= x->rho[i];
-    const double heat = b->friction.params.heating * larger(-work, 0);
+    const double heat = larger(bed_rub_heat(b, dt, i), 0);
     b->set.U[last][i] += work + heat;
     return work + heat;
 }
@@ -548,11 +573,13 @@ status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     TRY(bed_ready(b));
     TRY(bed_rub(b, dt, gravity, false, done));
     if (!*done) return OK;
+    for (int k = 0; k < b->components; k++)
+        for (int i = 0; i < b->set.cells + b->set.ghosts; i++) x->after[k + 1][i] = x->u[k][i] + x->rubbed[k][i];
     for (int block = 0; block < b->set.blocks; block++) {
         b->set.lift[block] = b->set.work[block] = b->set.peak[block] = b->set.rubbed[block] = 0;
         b->set.peak_cell[block] = 0;
         for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++)
-            b->set.rubbed[block] += b->set.shapes->volume[b->set.body[i]] * rub_cell(b, i);
+            b->set.rubbed[block] += b->set.shapes->volume[b->set.body[i]] * rub_cell(b, dt, i);
     }
     for (int v = 0; v < b->components + 2; v++) memset(b->set.kept[v], 0, (size_t)b->set.faces * sizeof(double));
     bed_add_tractions(b);

@@ -62,5 +62,9 @@ void bed_find_gradients(const struct bed *b, double *const *V);
  * b->set.pressure. driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too
  * long. Collective. */
 status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven, bool *done);
+/* Returns the heat (J/m^3) that `frictionalHeating` gives to a cell over dt: its part of the dissipation on faces, of
+ * which the cells on both sides have half each. Elastic gas that springs back has less than 0. Of u and
+ * `after`, ghosts too, it takes the mean. */
+double bed_rub_heat(const struct bed *b, double dt, int i);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The step of a bed: velocities and energies after acoustics (bed.h, part 2; docs/physics.md 9.1). */
-#include "libcore/acoustics/bed_private.h"
+#include "libcore/acoustics/bed_friction_private.h"
 
 /* z is STIFF rho h/dt at most, so that q is stable at any dt: it takes less than all of a difference of velocities. */
 static const double STIFF = 0.4;
@@ -231,10 +231,11 @@ static double work_on_cell(const struct bed *b, double dt, const double gravity[
 }
 
 /* Returns the energy (J/m^3) that friction gives to a cell: its work on the cell's velocity, and with the heat that the
- * faces lack by it (heat_of_side) that on U. */
-static double rubbed_in_cell(const struct bed *b, double dt, int i) {
+ * faces lack by it (heat_of_side) that on U, *held. */
+static double rubbed_in_cell(const struct bed *b, double dt, int i, double *held) {
     const struct bed_lines *x = b->lines;
     double sum = 0, moved = 0;
+    *held = 0;
     if (!b->rub) return 0;
     for (int k = 0; k < b->components; k++) moved += x->rubbed[k][i] * (x->u[k][i] + x->after[k + 1][i]);
     for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
@@ -243,7 +244,8 @@ static double rubbed_in_cell(const struct bed *b, double dt, int i) {
             0.5 * (bed_normal_speed(b, x->u, i, s.shape) + bed_normal_speed(b, x->after + 1, i, s.shape));
         sum += s.sign * b->set.shapes->area[s.shape] * carried(b, &s, i, dt) * (x->U[s.face] - mean);
     }
-    return 0.5 * x->rho[i] * moved + dt * sum / b->set.shapes->volume[b->set.body[i]];
+    *held = dt * sum / b->set.shapes->volume[b->set.body[i]];
+    return 0.5 * x->rho[i] * moved + *held;
 }
 
 /* Sets eps behind acoustics, and counts lifting and work. Returns whether no cell was lifted too much. */
@@ -255,8 +257,9 @@ static bool find_eps(struct bed *b, double dt, const double gravity[MAX_DIM]) {
         b->set.lift[block] = b->set.work[block] = b->set.rubbed[block] = 0;
         for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
             const double V = b->set.shapes->volume[b->set.body[i]], least = least_of(b, i);
-            const double rubbed = rubbed_in_cell(b, dt, i);
-            const double warms = b->rub ? b->friction.params.heating * larger(-rubbed, 0) : 0;
+            double held;
+            const double rubbed = rubbed_in_cell(b, dt, i, &held), part = b->friction.params.heating;
+            const double warms = part > 0 ? larger(bed_rub_heat(b, dt, i) - part * held, 0) : 0;
             const double eps = b->rub ? eps_after(b, dt, i) + warms / b->lines->rho[i] : eps_after(b, dt, i);
             const double lift = eps < least ? b->lines->rho[i] * (least - eps) : 0;
             after[i] = larger(eps, least);
@@ -275,7 +278,7 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     find_pressures(b, gravity);
     find_face_pressures(b, dt, gravity);
     for (int i = 0; i < b->set.cells; i++) move_cell(b, dt, gravity, i);
-    bed_fill(b, b->dim, b->lines->after + 1);
+    bed_fill(b, b->rub ? b->components : b->dim, b->lines->after + 1);
     find_heat(b, dt);
     pass_heat(b, dt);
     const bool fine = find_eps(b, dt, gravity);
