@@ -236,6 +236,11 @@ static struct load load_of(const struct bed *b, const struct face_view *v, const
     return (struct load){p, share * p, lightest(b, v)};
 }
 
+/* Is a face on a wall that grains slip on before they yield? Grains do not cohere with it. */
+static bool slips_at(const struct bed *b, int f) {
+    return b->set.kind[f] == BED_WALL && b->set.wall_friction[f] < HUGE_VAL;
+}
+
 /* Returns the cohesion of the surface, by which a step of one cell stands. */
 static double surface_cohesion(const struct bed *b, const struct face_view *v, const struct load *l,
                                const double gravity[MAX_DIM]) {
@@ -253,7 +258,7 @@ static double yield_of(const struct bed *b, const struct face_view *v, const dou
     if (!(l.carried > 0)) return 0;
     inertia = 2 * strain * b->friction.grain / sqrt(l.p);
     b->friction.law->coefficient(f, 1, &inertia, &mu);
-    if (b->set.kind[v->face] == BED_WALL) mu = smaller(mu, b->set.wall_friction[v->face]);
+    if (slips_at(b, v->face)) return smaller(mu, b->set.wall_friction[v->face]) * l.carried;
     return mu * l.carried + f->cohesion + surface_cohesion(b, v, &l, gravity);
 }
 
@@ -514,9 +519,9 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     if (!*done) return OK;
     find_velocity(b, 1, r->gain[last]);
     bed_find_gradients(b, r->V);
+    if (driven || b->friction.params.heating > 0) bed_fill(b, b->components, r->gain[last]);
     if (driven) {
         find_held(b);
-        bed_fill(b, b->components, r->gain[last]);
         find_push(b, dt, gravity, r->gain[last]);
     }
     find_stress(b, gravity);
@@ -566,6 +571,8 @@ status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     TRY(bed_ready(b));
     TRY(bed_rub(b, dt, gravity, false, done));
     if (!*done) return OK;
+    for (int k = 0; k < b->components; k++)
+        for (int i = 0; i < b->set.cells + b->set.ghosts; i++) x->after[k + 1][i] = x->u[k][i] + x->rubbed[k][i];
     for (int block = 0; block < b->set.blocks; block++) {
         b->set.lift[block] = b->set.work[block] = b->set.peak[block] = b->set.rubbed[block] = 0;
         b->set.peak_cell[block] = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The step of a bed: velocities and energies after acoustics (bed.h, part 2; docs/physics.md 9.1). */
-#include "libcore/acoustics/bed_private.h"
+#include "libcore/acoustics/bed_friction_private.h"
 
 /* z is STIFF rho h/dt at most, so that q is stable at any dt: it takes less than all of a difference of velocities. */
 static const double STIFF = 0.4;

@@ -15,7 +15,7 @@ struct rated { /* cells that lie one behind the other, their states and rates as
 /* Returns the largest rate at which impacts cool the dense cells of a row, by the cooling law over dt. */
 static double rate_of_cooling(const struct gas *g, double dt, const struct rated *r) {
     const struct gas_models *m = &g->models;
-    double cooled[BATCH], most = 0;
+    double cooled[BATCH], room[BATCH], most = 0;
     if (!source_cools(&m->source, &m->material)) return 0;
     memcpy(cooled, r->s.eps, (size_t)r->row.n * sizeof(double));
     const struct closure_line cells = {.eos = m->eos,
@@ -23,7 +23,8 @@ static double rate_of_cooling(const struct gas *g, double dt, const struct rated
                                        .n = r->row.n,
                                        .rho = r->rho,
                                        .shear_rate =
-                                           shear_rate_at(g, m->source.cooling->needs, r->row.block, r->row.at)};
+                                           shear_rate_at(g, m->source.cooling->needs, r->row.block, r->row.at),
+                                       .by_impacts = impacts_row(g, r->row.n, r->rho, room)};
     m->source.cooling->step(&m->source.cooling_params, &cells, dt, cooled);
     for (int i = 0; i < r->row.n; i++)
         if (r->part[i] >= BED_DENSE) most = larger(most, (r->s.eps[i] - cooled[i]) / (cooled[i] * dt));

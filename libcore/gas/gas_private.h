@@ -376,6 +376,9 @@ void drop_begin(const struct gas *g);
 void freeze_row(const struct gas *g, int n, const struct advance *s, const double *part);
 /* Computes T of n <= BATCH states of a block; U points to the first state's density. */
 void temperature_row(const struct gas *g, int n, const double *U, double *T);
+/* Computes the share 1 - s of the stress that impacts carry (struct closure_line); returns `out`, or NULL if grains do
+ * not rub. */
+const double *impacts_row(const struct gas *g, int n, const double *rho, double *out);
 /* Computes the coefficients of the law of transport for a line of cells. Where packed grains rub, friction is the share
  * s of the shear stress (docs/physics.md 4.10), and the viscosities keep 1 - s. Conduction stays whole. */
 void transport_row(const struct gas *g, const struct closure_line *cells, double *restrict bulk, double *restrict shear,

@@ -255,16 +255,22 @@ int move_row(struct gas *g, const struct moved *m) {
     return bad;
 }
 
+const double *impacts_row(const struct gas *g, int n, const double *rho, double *out) {
+    if (!friction_acts(g->models.friction)) return NULL;
+    friction_share(&g->models.friction_params, &g->models.material, n, rho, out);
+    for (int i = 0; i < n; i++) out[i] = 1 - out[i];
+    return out;
+}
+
 void transport_row(const struct gas *g, const struct closure_line *cells, double *restrict bulk, double *restrict shear,
                    double *restrict heat) {
     static const double LEAST = 1e-9; /* walls divide by the viscosity */
     const struct gas_models *m = &g->models;
-    double share[BATCH];
+    double room[BATCH];
+    const double *by_impacts = impacts_row(g, cells->n, cells->rho, room);
     m->transport->coefficients(&m->transport_params, cells, bulk, shear, heat);
-    if (!friction_acts(m->friction)) return;
-    friction_share(&m->friction_params, &m->material, cells->n, cells->rho, share);
-    for (int i = 0; i < cells->n; i++) {
-        const double left = larger(1 - share[i], LEAST);
+    for (int i = 0; i < cells->n && by_impacts; i++) {
+        const double left = larger(by_impacts[i], LEAST);
         bulk[i] *= left;
         shear[i] *= left;
     }
@@ -369,10 +375,12 @@ void source_row(void *half_step, const struct row *row) {
         U[v] = to + v * g->size + row->at;
         if (from != to) memcpy(U[v], from + v * g->size + row->at, (size_t)row->n * sizeof(double));
     }
+    double room[BATCH];
     const double *shear_rate = h->shear_rate ? h->shear_rate[row->block] + row->at : NULL;
+    const double *by_impacts = shear_rate ? impacts_row(g, row->n, U[0], room) : NULL;
     const bool find = g->falling.cells && h->plan->warm >= 0;
     const bool acts = find || !h->plan->gravity_alone || g->falling.blocks[row->block];
-    const bool falling = acts && source_apply(h->plan, row->n, U, falls_of(g, row), shear_rate);
+    const bool falling = acts && source_apply(h->plan, row->n, U, falls_of(g, row), shear_rate, by_impacts);
     if (falling && find) note_falling(g, row);
     const int bad = row_inadmissible(g, to, row->at, row->n, NULL);
     h->bad += bad;

@@ -14,8 +14,13 @@ static bool cooling_active(const struct sources *all, const struct material *m) 
 static void cooling_step(const struct source_step *s, int n, const double *restrict rho, double *const mom[MAX_DIM],
                          double *restrict eps) {
     (void)mom;
-    const struct closure_line cells = {
-        .eos = s->eos, .material = s->material, .n = n, .rho = rho, .shear_rate = s->shear_rate, .late = s->late};
+    const struct closure_line cells = {.eos = s->eos,
+                                       .material = s->material,
+                                       .n = n,
+                                       .rho = rho,
+                                       .shear_rate = s->shear_rate,
+                                       .by_impacts = s->by_impacts,
+                                       .late = s->late};
     s->all->cooling->step(&s->all->cooling_params, &cells, s->dt, eps);
 }
 
@@ -281,7 +286,15 @@ void source_plan(const struct sources *s, const struct eos *eos, const struct ma
         const struct source_type *r = &source_table[row];
         if (!source_row_active(s, m, row)) continue;
         struct source_step *step = &out->step[out->n++];
-        *step = (struct source_step){r, s, &s->params[row], eos, m, dim, t, dt, NULL, {0}, {0}, backwards};
+        *step = (struct source_step){.row = r,
+                                     .all = s,
+                                     .params = &s->params[row],
+                                     .eos = eos,
+                                     .material = m,
+                                     .dim = dim,
+                                     .t = t,
+                                     .dt = dt,
+                                     .late = backwards};
         if (r->plan) r->plan(step);
     }
     out->gravity_alone = out->n == 1 && out->step[0].row->step == gravity_step;
@@ -360,7 +373,7 @@ static bool acts(const struct source_plan *plan, bool drops) {
 }
 
 bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls,
-                  const double *shear_rate) {
+                  const double *shear_rate, const double *by_impacts) {
     double eps[BATCH], before[BATCH];
     struct source_step seeing;
     const bool find = falls && plan->warm >= 0, keeps = falls && plan->gravity_alone;
@@ -376,6 +389,7 @@ bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR
         if (shear_rate) {
             seeing = *step;
             seeing.shear_rate = shear_rate;
+            seeing.by_impacts = by_impacts;
             step = &seeing;
         }
         if (!falls || step->row->step != gravity_step)

@@ -34,9 +34,10 @@ struct source_step { /* one source over one sub-step: the numbers that are the s
     const struct own_params *params; /* parameters of the row */
     const struct eos *eos;
     const struct material *material;
-    int dim;                  /* components of velocity */
-    double t, dt;             /* s, from t to t + dt */
-    const double *shear_rate; /* of the cells in hand, as in struct closure_line; NULL unless a source asks for it */
+    int dim;      /* components of velocity */
+    double t, dt; /* s, from t to t + dt */
+    /* Of the cells in hand, as in struct closure_line; NULL unless a source asks for the shear rate. */
+    const double *shear_rate, *by_impacts;
     /* The row's plan sets: */
     double kick[MAX_DIM]; /* m/s: the velocity that gas at rest gains */
     double number[4];     /* further numbers that the row's step needs */
@@ -109,9 +110,9 @@ void source_pull(const struct sources *s, const struct eos *eos, const struct ma
 
 /* Advances n <= BATCH cells by the plan: U[v] = rho, rho u .., E. E is put together once, at the end. falls: [n] 1
  * where gravity acts, else 0, in or out as plan->warm says; NULL: it acts on all cells. Cells on which nothing acts
- * keep their bits; eps is held at SOURCE_COLDEST. shear_rate: [n], or NULL, as source_needs says. Returns whether falls
- * is 1 anywhere. */
+ * keep their bits; eps is held at SOURCE_COLDEST. shear_rate: [n], or NULL, as source_needs says; by_impacts, which
+ * counts with it: as in struct closure_line. Returns whether falls is 1 anywhere. */
 bool source_apply(const struct source_plan *plan, int n, double *const U[MAX_VAR], double *falls,
-                  const double *shear_rate);
+                  const double *shear_rate, const double *by_impacts);
 
 #endif

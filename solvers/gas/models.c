@@ -560,6 +560,15 @@ static double bed_memory(int dim, int components, double cells, double faces) {
     return 1.5 * (cells * (13 + components + nvar * (3 + dim)) + faces * (17 + 2 * nvar));
 }
 
+/* Returns what friction adds to that (libcore/acoustics/bed_friction_private.h), and what it keeps of all cells from
+ * step to step; faces: of one cell. */
+static double friction_memory(const struct gas_models *g, int dim, int components, double cells, double faces) {
+    const int u = components, tensors = u * (u + 1) / 2;
+    if (!gas_rubs(g)) return 0;
+    const double of_cell = 4 + u * (6 + dim), of_face = 5.5 + 2 * tensors + 6 * u;
+    return cells * (1.5 * (of_cell + faces * (dim + 0.5 * of_face)) + 1 + faces * tensors);
+}
+
 double models_memory(const struct setup *s, const struct gas_models *g) {
     const struct forest *f = s->grid->forest;
     const struct polyhedra *m = s->grid->polyhedra;
@@ -569,7 +578,10 @@ double models_memory(const struct setup *s, const struct gas_models *g) {
         const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
         const double bed =
             gas_may_be_dense(g) ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim) : 0;
-        return (double)f->ntiles_all * (double)f->size * (5 * 5 + diffuser + bed + carried_memory(g, f->dim)) * 8;
+        return (double)f->ntiles_all * (double)f->size *
+               (5 * 5 + diffuser + bed + friction_memory(g, f->dim, s->components, 1, 2 * f->dim) +
+                carried_memory(g, f->dim)) *
+               8;
     }
     const int dim = m->dim, degree = g->polynomial->degree, u = s->components;
     const int coefficients = degree == 0 ? 0 : degree == 1 ? dim : dim * (dim + 3) / 2;
@@ -582,7 +594,8 @@ double models_memory(const struct setup *s, const struct gas_models *g) {
     const double bed = gas_may_be_dense(g)
                            ? s->mesh->ncells * 3. + faces * (2 * dim + 2) + bed_memory(dim, u, s->mesh->ncells, faces)
                            : 0;
-    return 8 * bed + s->mesh->ncells * (cell + 8 * carried_memory(g, dim)) +
+    const double friction = friction_memory(g, dim, u, s->mesh->ncells, 2 * faces / s->mesh->ncells);
+    return 8 * (bed + friction) + s->mesh->ncells * (cell + 8 * carried_memory(g, dim)) +
            faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
                     sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }

@@ -118,7 +118,7 @@ static void try_sources(const struct gas_models *g, const struct states *s, int 
             for (int k = 0; k < dim; k++) U[k + 1][i] = s->rho[i] * sqrt(s->T[i]);
             U[dim + 1][i] = s->rho[i] * (s->eps[i] + 0.5 * dim * s->T[i]);
         }
-        source_apply(&plan, N, line, NULL, s->T);
+        source_apply(&plan, N, line, NULL, s->T, NULL);
         for (int v = 1; v < dim + 2; v++) promise_range(U[v], -HUGE_VAL, "what sources leave is a number");
         PROMISE(!memcmp(U[0], s->rho, sizeof U[0]), "sources leave density alone");
     }

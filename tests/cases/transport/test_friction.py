@@ -12,6 +12,7 @@ import numpy as np
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
 from tests.cases.runtime import test_energyBudget as audit
+from tests.cases.transport.channels import replace
 
 D, G, PACKED = 1e-3, 9.81, 0.9 * 0.64  # m, m/s^2
 SIZE = (20, 16, 1)  # of a collapse, in grain diameters
@@ -129,6 +130,41 @@ class Friction(harness.Folder, unittest.TestCase):
         self.assertLess(b["friction"][-1], -0.1 * scale)
         self.assertLessEqual(np.diff(b["friction"]).max(), 0)
         self.assertLess(np.abs(b["residual"]).max(), 1e-12 * scale)
+
+    def test_heating(self):
+        """frictionalHeating leaves that part of the work of friction in the gas; the budget explains the rest to round-off."""
+        lost = []
+        for part in (0, 0.5, 1):
+            with self.subTest(part=part):
+                case = self.collapse(f"heating{part}", friction=f"type muI; frictionalHeating {part};")
+                harness.edit(case, "constant/granularProperties", cooling="none")
+                audit.ask(case)
+                result, log = solve(case)
+                with open(case + "/postProcessing/budget/0/energyBudget.dat") as f:
+                    titles = next(line for line in f if "residual" in line).lstrip("# ").split()
+                b = dict(zip(titles, result.table("budget", "energyBudget.dat").T))
+                self.assertLess(np.abs(b["residual"]).max(), 1e-12 * np.abs(b["gravity"]).max())
+                lost.append(b["friction"][-1] / np.abs(b["gravity"]).max())
+        self.assertLess(lost[0], -0.5)
+        self.assertAlmostEqual(lost[1] / lost[0], 0.5, delta=0.03)
+        self.assertAlmostEqual(lost[2] / lost[0], 0, delta=1e-3)
+
+    def test_correlations_fade(self):
+        """Where contacts carry the share s of the stress, the length of correlated impacts has 1 - s of the shear rate."""
+        def cooled(alpha, c, friction):
+            case = bed(f"{self.folder}/correlated{alpha}{c}{friction != ''}", (1, 8, 1), alpha, (0.0, 0.0, 0.0), 1e-4, friction=friction)
+            harness.edit(case, "constant/granularProperties", cooling="Jenkins")
+            runs.add(case, "constant/granularProperties", f"JenkinsCoeffs {{ c {c}; }}\n")
+            replace(case, "0.orig/U", "internalField uniform (0 0 0);", 'expression ("40*y" "0" "0");')
+            replace(case, "0.orig/U", "noSlip", "slip")
+            return float(solve(case)[0].field("T")[3])
+
+        rubs = "type Coulomb; alphaFriction 0.5; alphaSolid 0.58;"
+        self.assertEqual(cooled(0.6, 0.8, rubs), cooled(0.6, 0, rubs))
+        self.assertGreater(cooled(0.6, 0.8, ""), 1.001 * cooled(0.6, 0, ""))
+        half, alone, less = cooled(0.54, 0.8, rubs), cooled(0.54, 0.8, ""), cooled(0.54, 0.4, "")
+        self.assertAlmostEqual(half / less, 1, delta=1e-12)
+        self.assertGreater(alone / less, 1.0001)
 
     # ---- the same bits ----
 

@@ -65,7 +65,7 @@ static void alone(const struct gas_models *m, double rho, double dt, double give
         source_plan(&m->source, m->eos, &m->material, 2, 0.5 * dt * half, 0.5 * dt, half, &plan);
         for (int i = 0; i < plan.n; i++) {
             struct source_plan one = {.n = 1, .step = {plan.step[i]}, .warm = -1};
-            source_apply(&one, 1, at, &warm, NULL);
+            source_apply(&one, 1, at, &warm, NULL, NULL);
             given[plan.step[i].row - source_table] += U[3] - before;
             before = U[3];
         }

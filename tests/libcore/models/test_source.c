@@ -208,7 +208,7 @@ static void energy_is_what_rows_say(void **state) {
         if (!source_table[row].gained) continue;
         fill_cells(U, before);
         source_plan(&s, gs, &GRAINS, MAX_DIM, 0.1, 0.3, false, &plan);
-        source_apply(&plan, BATCH, at, NULL, NULL);
+        source_apply(&plan, BATCH, at, NULL, NULL, NULL);
         for (int i = 0; i < BATCH; i++) after += U[4][i];
         assert_close(plan.step[0].row->gained(&plan.step[0], before), after - before[4], 1e-12,
                      source_table[row].model.name);
@@ -249,7 +249,7 @@ static void free_fall(void **state) {
     struct source_plan plan;
     double rho = 2, mx = 1, my = 0, E = 2 * (1.5 * 0.3) + 0.25, *U[MAX_VAR] = {&rho, &mx, &my, &E};
     source_plan(&s, eos_find("GoldshteinShapiro"), &m, 2, 5, 0.25, false, &plan);
-    source_apply(&plan, 1, U, NULL, NULL);
+    source_apply(&plan, 1, U, NULL, NULL, NULL);
     assert_close(mx / rho, 0.5 + 0.75, 1e-15, "u");
     assert_close(my / rho, -1.75, 1e-15, "v");
     assert_close(E, 2 * 1.5 * 0.3 + (1.25 * 1.25 + 1.75 * 1.75), 1e-15, "E: the temperature stays");
