@@ -116,6 +116,7 @@ SHIPPED = {
     "sod": Row("sod", {"N": 200}, ended(0.2)),
     "sphere3D": Row("sphere3D", {"N": 8}, ended(0.2)),
     "vibratedLayer": Row("vibratedLayer", {"N": 300}, ended(0.002)),
+    "vortices": Row("vortices", {"N": 16}, ended(200)),
     "vortex": Row("vortex", {"N": 48}, ended(2.5)),
     "wall": Row("wall", {"N": 125}, ended(0.2)),
     "wallThrough": Row("wallThrough", {"N": 100}, ended(0.5)),
