@@ -19,7 +19,7 @@ for axes, (alpha, e) in zip(row, ((0.1, 0.9), (0.3, 0.8), (0.45, 0.7))):
                 axes.plot(s, np.exp((1 - (wanted / side) ** 2) * s), ":", color="0.3", linewidth=0.8)
     found = [vortices.critical(top, alpha, kind) for kind in ("gas", "grains")]
     print(f"alpha = {alpha}, e = {e}: vortices appear in a box of {found[0]:.2f} in the gas, {found[1]:.2f} among grains, {wanted:.2f} by linear theory", file=sys.stderr)
-    axes.set(yscale="log", ylim=(0.2, 4))
+    axes.set(yscale="log", ylim=(0.2, 8))
     axes.legend(fontsize=6, loc="upper left")
     figures.label(axes, r"$\frac{1}{2}\ln(T_0/T)$", r"wave over $\sqrt{T}$", rf"$\alpha$ = {alpha}, $e$ = {e}: $L_c$ = {wanted:.2f}")
 script.save(fig, "vortices")

@@ -99,6 +99,7 @@ SHIPPED = {
     "inclineSpheres": Row("inclineSpheres", {"N": 20}, ended(3)),
     "kink": Row("kink", {"M": 101}, ended(2, deltaT=0.01)),
     "pile": Row("pile", {"N": 10}, ended(0.1)),
+    "piston": Row("piston", {"N": 100}, ended(40)),
     "poiseuilleDisks": Row("poiseuilleDisks", {"N": 20}, ended(20)),
     "pulsedInlet": Row("pulsedInlet", {"N": 160}, ended(2), stop=1),
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
