@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""cases/vortices and cases/piston on coarse grids: the growth of a wave in a gas that cools, and a shock ahead of a piston."""
+"""Cases of docs/benchmarks.md on coarse grids: the growth of a wave in a gas that cools, shocks ahead of a piston and over a wedge."""
 import unittest
 
 from tests.cases import harness
@@ -8,8 +8,7 @@ from tests.cases import harness
 class Short(harness.Folder, unittest.TestCase):
     def test_vortices(self):
         """In the box of 31 the wave grows as linear theory says, to 0.02 of the rate of cooling."""
-        case = self.short("vortices", 16)
-        self.compare(case, harness.entries("vortices"))
+        self.compare(self.short("vortices", 16), harness.entries("vortices"))
 
     def test_piston(self):
         """An elastic shock has the speed of mass, momentum and energy across it."""
@@ -17,6 +16,14 @@ class Short(harness.Folder, unittest.TestCase):
         harness.edit(case, "constant/granularProperties", restitution=1, thresholdSpeed=0)
         harness.mesh(case, 200)
         self.compare(harness.run(case, endTime=100), harness.entries("piston"))
+
+    def test_wedge(self):
+        """An elastic stream of disks has the exact shock, to half a sector, on a coarse mesh."""
+        case = harness.copy("wedgeDisks", self.folder)
+        harness.edit(case, "constant/granularProperties", restitution=1)
+        harness.edit(case, "0.orig/T", restitution=1)
+        harness.mesh(case, 20)
+        self.compare(harness.run(case), harness.entries("wedgeDisks"))
 
 
 if __name__ == "__main__":
