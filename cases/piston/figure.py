@@ -8,11 +8,12 @@ import numpy as np
 import haff
 from haff.plot import figures, script
 from studies.checks import pistons
+from studies.exact import diskShocks
 
 folder = script.folder()
 runs = {name: haff.Case(os.path.join(folder, name)) for name in (".", "elastic", "grains", "grainsElastic")}
 fig, ((dense, thin, way),) = figures.panels(1, 3, width=7.5, height=2.6)
-wanted = pistons.elastic(0.1)
+wanted = diskShocks.piston(0.1)
 for axes, names, times, level, e in ((dense, (".", "grains"), ("100", "200", "300"), 0.5, 0.9), (thin, ("elastic", "grainsElastic"), ("100", "200"), 0.16, 1)):
     for name, style in zip(names, ("-", ":")):
         for colour, time in zip(figures.COLOURS, times):

@@ -7,6 +7,7 @@ import haff
 from haff.case import grains
 from haff.plot import cellmap, figures, script
 from studies.checks import wedgeShocks
+from studies.exact import diskShocks
 
 folder = script.folder()
 runs = {name: haff.Case(os.path.join(folder, name)) for name in (".", "grains", "elastic", "grainsElastic")}
@@ -27,7 +28,7 @@ for colour, names, e in ((figures.COLOURS[0], (".", "grains"), 0.97), (figures.C
         kind = "grains" if "grains" in name else "gas"
         profile.plot(angle, alpha, mark, color=colour, markersize=2.5, label=f"{kind}, $e$ = {e}")
         print(f"{kind}, e = {e}: shock at {wedgeShocks.angle(runs[name], None, time, 0.155):.2f} degrees, packing {wedgeShocks.behind(runs[name], 'alpha', time, 25):.4f} behind", file=sys.stderr)
-beta, packed = wedgeShocks.exact()
+beta, packed = diskShocks.wedge(0.1, 0.003, wedgeShocks.WEDGE)
 print(f"exact, e = 1: {beta:.2f} degrees, {packed:.4f}", file=sys.stderr)
 profile.plot([wedgeShocks.WEDGE, beta, beta, 59], [packed, packed, 0.1, 0.1], ":", color="0.3", label="exact, $e$ = 1")
 profile.legend(fontsize=6)

@@ -26,7 +26,10 @@ class Page(unittest.TestCase):
         made = subprocess.run([os.path.join(DOCS, "makeBenchmarks"), "-print"], capture_output=True, text=True)
         self.assertEqual(made.returncode, 0, made.stderr)
         with open(os.path.join(DOCS, "benchmarks.md"), encoding="utf-8") as f:
-            self.assertEqual(f.read(), made.stdout, "run docs/makeBenchmarks")
+            page = f.read()
+        with open(os.path.join(harness.SOURCE, "README.md"), encoding="utf-8") as f:
+            table = f.read().partition("<!-- benchmarks: made by docs/makeBenchmarks -->\n")[2].partition("<!-- end -->")[0]
+        self.assertEqual(page + table, made.stdout, "run docs/makeBenchmarks")
 
     def test_benchmarks(self):
         """Each has a number of its own, cases that run, a picture, and at least one number; a case takes two minutes at most."""
@@ -38,6 +41,7 @@ class Page(unittest.TestCase):
             with self.subTest(b["title"]):
                 self.assertTrue(rows)
                 self.assertTrue(os.path.isfile(os.path.join(CASES, b["picture"])))
+                self.assertTrue(os.path.isfile(os.path.join(harness.SOURCE, made.small(b))), "run docs/makeBenchmarks -small")
                 for name in b["cases"]:
                     self.assertTrue(os.access(os.path.join(CASES, name, "Allrun"), os.X_OK))
                     self.assertLessEqual(made.expected.read(os.path.join(CASES, name))["seconds"], 120)

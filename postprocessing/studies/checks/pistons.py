@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Quantities of cases/piston: shocks that run from a piston into cold disks, seen from the piston, which moves at 1."""
 import numpy as np
-from scipy.optimize import brentq
-
-from studies.exact import disks
 
 SMOOTH = 5  # cells over which packing is averaged: grains lie in layers
 
@@ -50,15 +47,6 @@ def packed(case, field, time, depth):
     """Mean packing from the piston to that depth."""
     x, alpha = profile(case, "alpha", time)
     return float(alpha[x < depth].mean())
-
-
-def elastic(alpha):
-    """Packing and T behind, and speed of, a shock into cold elastic disks: mass, momentum and energy, p = rho T A(alpha), energy T per mass."""
-    gas = disks.Disks(1.0)
-    T = 0.5  # all motion becomes heat
-    excess = lambda a: gas.per * 0 + a * T * gas.A(a) - alpha * (1 + alpha / (a - alpha))
-    a = brentq(excess, 1.01 * alpha, 0.81)
-    return a, T, alpha / (a - alpha)
 
 
 QUANTITIES = {

@@ -3,10 +3,8 @@
 import os
 
 import numpy as np
-from scipy.optimize import brentq
 
 import haff
-from studies.exact import disks
 
 WEDGE, RADII, WIDTH = 15.0, (40, 140), 2.0  # degrees; diameters from the tip; degrees of a sector
 
@@ -41,23 +39,6 @@ def apart(case, _, time):
     name = {"elastic": "../grainsElastic"}.get(os.path.basename(os.path.abspath(case.path)), "grains")
     grains = haff.Case(os.path.join(case.path, name))
     return float(np.abs(sectors(case, "alpha", time)[1] - sectors(grains, "alpha", time)[1]).mean() / 0.1)
-
-
-def exact(alpha=0.1, T=0.003, deflection=WEDGE):
-    """Angle of the weak shock and packing behind it, of elastic disks in a stream of speed 1: mass, momentum and energy, T per mass."""
-    gas, turn = disks.Disks(1.0), np.radians(deflection)
-
-    def jump(beta):
-        normal = np.sin(beta)
-        slow = normal * np.tan(beta - turn) / np.tan(beta)
-        packed = alpha * normal / slow
-        p, mass = alpha * T * gas.A(alpha), alpha * normal
-        pressure = p + mass * (normal - slow)
-        hot = T + p / alpha + normal**2 / 2 - slow**2 / 2 - pressure / packed
-        return packed, pressure - packed * hot * gas.A(packed)
-
-    weak = brentq(lambda beta: jump(beta)[1], turn * 1.2, turn + np.radians(25))
-    return float(np.degrees(weak)), float(jump(weak)[0])
 
 
 QUANTITIES = {
