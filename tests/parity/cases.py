@@ -99,6 +99,7 @@ SHIPPED = {
     "inclineSpheres": Row("inclineSpheres", {"N": 20}, ended(3)),
     "kink": Row("kink", {"M": 101}, ended(2, deltaT=0.01)),
     "pile": Row("pile", {"N": 10}, ended(0.1)),
+    "piston": Row("piston", {"N": 100}, ended(40)),
     "poiseuilleDisks": Row("poiseuilleDisks", {"N": 20}, ended(20)),
     "pulsedInlet": Row("pulsedInlet", {"N": 160}, ended(2), stop=1),
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
@@ -116,6 +117,7 @@ SHIPPED = {
     "sod": Row("sod", {"N": 200}, ended(0.2)),
     "sphere3D": Row("sphere3D", {"N": 8}, ended(0.2)),
     "vibratedLayer": Row("vibratedLayer", {"N": 300}, ended(0.002)),
+    "vortices": Row("vortices", {"N": 16}, ended(200)),
     "vortex": Row("vortex", {"N": 48}, ended(2.5)),
     "wall": Row("wall", {"N": 125}, ended(0.2)),
     "wallThrough": Row("wallThrough", {"N": 100}, ended(0.5)),
@@ -123,6 +125,7 @@ SHIPPED = {
     "wedge15": Row("wedge15", {"N": 12}, ended(0.2)),
     "wedge15Dilute": Row("wedge15Dilute", {"N": 12}, ended(0.2)),
     "wedgeDense": Row("wedgeDense", {"N": 60}, ended(0.0412)),
+    "wedgeDisks": Row("wedgeDisks", {"N": 15}, ended(20)),
     "wedgeElastic": Row("wedgeElastic", {"N": 60}, ended(0.1)),
     "wedgeTriangles": Row("wedgeTriangles", {"N": 30}, ended(0.0425)),
 }

@@ -5,7 +5,7 @@ import os
 import numpy as np
 
 from haff.case import grains
-from studies.exact import disks
+from studies.exact import disks, garzoDufty
 
 
 def steady_shear(path, settled=0.25):
@@ -26,13 +26,20 @@ def balance(gas, nu, rate):
     return T, gas.shear(rho, T) * rate
 
 
-def over_theory(case, index):
+def over_theory(case, index, law=disks.Disks):
+    """T (index 0) or shear stress (1) of the grains over that of a gas of Jenkins & Richman, or of Garzo & Dufty."""
     found = steady_shear(case.path)
-    return found[index] / balance(disks.Disks.of(case.path), 0.3, found[2])[index]
+    return found[index] / balance(law(disks.Disks.of(case.path).e), 0.3, found[2])[index]
+
+
+def garzo_dufty(e):
+    return garzoDufty.Grains(2, e)
 
 
 QUANTITIES = {
     "share of the grains at x < 0": lambda case, field, time: float(np.mean(grains.places(case, case.time(time))[:, 0] < 0)),
     "T over that of the gas": lambda case, field, time: over_theory(case, 0),
     "shear stress over that of the gas": lambda case, field, time: over_theory(case, 1),
+    "T over that of the gas of Garzo & Dufty": lambda case, field, time: over_theory(case, 0, garzo_dufty),
+    "shear stress over that of the gas of Garzo & Dufty": lambda case, field, time: over_theory(case, 1, garzo_dufty),
 }

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cases of docs/benchmarks.md on coarse grids: the growth of a wave in a gas that cools, shocks ahead of a piston and over a wedge."""
+import unittest
+
+from tests.cases import harness
+
+
+class Short(harness.Folder, unittest.TestCase):
+    def test_vortices(self):
+        """In the box of 31 the wave grows as linear theory says, to 0.02 of the rate of cooling."""
+        self.compare(self.short("vortices", 16), harness.entries("vortices"))
+
+    def test_piston(self):
+        """An elastic shock has the speed of mass, momentum and energy across it."""
+        case = harness.copy("piston", self.folder)
+        harness.edit(case, "constant/granularProperties", restitution=1, thresholdSpeed=0)
+        harness.mesh(case, 200)
+        self.compare(harness.run(case, endTime=100), harness.entries("piston"))
+
+    def test_wedge(self):
+        """An elastic stream of disks has the exact shock, to half a sector, on a coarse mesh."""
+        case = harness.copy("wedgeDisks", self.folder)
+        harness.edit(case, "constant/granularProperties", restitution=1)
+        harness.edit(case, "0.orig/T", restitution=1)
+        harness.mesh(case, 20)
+        self.compare(harness.run(case), harness.entries("wedgeDisks"))
+
+
+if __name__ == "__main__":
+    unittest.main()
