@@ -13,7 +13,7 @@ from tests.structure.test_rooms import tracked
 TOP = harness.SOURCE
 # A command begins with one of these words, or with a path that ends so.
 PROGRAMS = {"granularGas", "granularMD", "granularDEM", "granularSegregation", "gmshToCase", "checkCase", "caseToVTK", "initialFields", "newCase", "haff", "haffPlot", "haffMovie",
-            "haffLog", "Allrun", "Alltest", "Allcheck", "Allclean", "cmake", "ctest", "cpack", "gmsh", "mpirun", "makeReference", "makeGallery", "makeValidation"}
+            "haffLog", "Allrun", "Alltest", "Allcheck", "Allclean", "cmake", "ctest", "cpack", "gmsh", "mpirun", "makeReference", "makeGallery", "makeValidation", "makeBenchmarks"}
 # A command as it is printed, without its comment: the test that runs it, or the same with other names.
 COMMANDS = {
     "./Allrun": "tests/cases/runtime/test_setup.py::test_made_once",
