@@ -69,6 +69,7 @@ def gas_of_wedge(case):
 
 SHIPPED = {
     "blast": Row("blast", {"N": 200}, ended(5.48)),
+    "blastCold": Row("blastCold", {"N": 48}, ended(100)),
     "blastDense": Row("blastDense", {"N": 200}, ended(3)),
     "blastElastic": Row("blastElastic", {"N": 200}, ended(5.48)),
     "bouncingBed": Row("bouncingBed", {"N": 50}, ended(0.1)),
@@ -94,6 +95,7 @@ SHIPPED = {
     "forwardStep": Row("forwardStep", {"N": 30}, ended(1)),
     "heap2D": Row("heap2D", {"N": 32}, ended(0.02)),
     "heapPoured": Row("heapPoured", {}, ended(0.03)),
+    "heatedColumn": Row("heatedColumn", {"N": 40}, ended(10)),
     "heatedWalls": Row("heatedWalls", {"N": 20}, ended(60)),
     "hopper": Row("hopper", {"N": 24}, ended(0.02)),
     "inclineSpheres": Row("inclineSpheres", {"N": 20}, ended(3)),
