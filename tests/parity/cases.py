@@ -69,6 +69,7 @@ def gas_of_wedge(case):
 
 SHIPPED = {
     "blast": Row("blast", {"N": 200}, ended(5.48)),
+    "blastCold": Row("blastCold", {"N": 48}, ended(100)),
     "blastDense": Row("blastDense", {"N": 200}, ended(3)),
     "blastElastic": Row("blastElastic", {"N": 200}, ended(5.48)),
     "bouncingBed": Row("bouncingBed", {"N": 50}, ended(0.1)),
@@ -86,6 +87,7 @@ SHIPPED = {
     "couetteDisks": Row("couetteDisks", {"N": 24}, ended(20)),
     "couetteSpheres": Row("couetteSpheres", {"N": 12}, ended(60)),
     "cylinder": Row("cylinder", {"N": 8}, ended(0.4)),
+    "demon": Row("demon", {}, ended(4)),
     "demonMD": Row("demonMD", {}, ended(40)),
     "equationOfState": Row("equationOfState", {"L": 30}, ended(8)),
     "faraday": Row("faraday", {"L": 60}, ended(0.3)),
@@ -94,10 +96,12 @@ SHIPPED = {
     "forwardStep": Row("forwardStep", {"N": 30}, ended(1)),
     "heap2D": Row("heap2D", {"N": 32}, ended(0.02)),
     "heapPoured": Row("heapPoured", {}, ended(0.03)),
+    "heatedColumn": Row("heatedColumn", {"N": 40}, ended(10)),
     "heatedWalls": Row("heatedWalls", {"N": 20}, ended(60)),
     "hopper": Row("hopper", {"N": 24}, ended(0.02)),
     "inclineSpheres": Row("inclineSpheres", {"N": 20}, ended(3)),
     "kink": Row("kink", {"M": 101}, ended(2, deltaT=0.01)),
+    "leidenfrost": Row("leidenfrost", {}, ended(4)),
     "pile": Row("pile", {"N": 10}, ended(0.1)),
     "piston": Row("piston", {"N": 100}, ended(40)),
     "poiseuilleDisks": Row("poiseuilleDisks", {"N": 20}, ended(20)),
