@@ -72,6 +72,11 @@ static long find_reference(const struct gas *g, const struct tile *t, const doub
     return -1;
 }
 
+/* Does gas move along the radius of a body of revolution? Then uniform gas does not stay so. */
+static bool flows_outwards(const struct gas *g, const double *U, long at) {
+    return g->forest->radial >= 0 && U[(g->forest->radial + 1) * g->forest->size + at] != 0;
+}
+
 /* Sets bit i if cell i of 8 from `offset` on differs from the background. */
 KERNEL static unsigned block_differs(int nvar, long size, const double *restrict U, long offset) {
     uint64_t any[BLOCK] = {0};
@@ -120,7 +125,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
     if (s->narrow[tile]) return true;
     if (!has_background(g, t, s->varied[tile])) {
         long reference = find_reference(g, t, U, falls);
-        if (reference < 0) return false;
+        if (reference < 0 || flows_outwards(g, U, reference)) return false;
         for (int v = 0; v < g->nvar; v++) U[v * g->forest->size] = U[v * g->forest->size + reference];
         if (falls) g->falling.cells[tile][0] = falls[reference];
     }

@@ -149,7 +149,9 @@ void grid_free(struct grid *g) {
 
 double grid_volume(const struct grid *g, int block, int i) {
     const struct polyhedra *m = g->polyhedra;
-    return g->forest ? g->forest->volume : m->extent[m->block_cell[m->block_start[block] + i]];
+    const struct forest *f = g->forest;
+    if (f && f->radial >= 0) return f->volume * forest_block_radius(f, &f->block[block], i);
+    return f ? f->volume : m->extent[m->block_cell[m->block_start[block] + i]];
 }
 
 void grid_centre(const struct grid *g, int block, int i, double x[3]) {
