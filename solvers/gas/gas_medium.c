@@ -192,9 +192,6 @@ static status gas_read_state(struct setup *s) {
     if (s->lattice && g->models->skip_axes && !implicit) TRY(uniform_find(s->mesh, g->initial, s->lattice));
     if (s->lattice) s->lattice->even = models->transport && !implicit;
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
-    if (s->mesh->round.on && s->grid->polyhedra)
-        return round_refuse(s, "a mesh other than a lattice of equal boxes, or meshEngine polyhedral",
-                            "mesh it by blocks of equal cells");
     for (int k = s->dim; k < s->components && s->mesh->round.on; k++)
         if (s->axis[k] != s->mesh->round.axial)
             return round_refuse(s, "swirl, a velocity around the axis", "take that component out of U");
