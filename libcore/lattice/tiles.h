@@ -212,8 +212,9 @@ struct faces_of_row {
 /* Bodies of revolution (libcore/lattice/tiles_round.c). */
 struct round_line { /* n cells of a row; radial: computational axis; half: 1/(2 r), 1/m; momentum and velocity along r
                      */
-    int n, nvar, radial;
+    int n, nvar, radial, swirl;
     const double *half, *momentum, *velocity;
+    const double *around[2]; /* momentum and velocity around the axis, if there is swirl */
 };
 /* Computes the residuals of such cells of a block U from the fluxes through their faces, f[dim]. */
 void round_residual(const struct gas *g, int tile, const double *U, long offset, int n, const struct faces_of_row *f,

@@ -72,9 +72,12 @@ static long find_reference(const struct gas *g, const struct tile *t, const doub
     return -1;
 }
 
-/* Does gas move along the radius of a body of revolution? Then uniform gas does not stay so. */
+/* Does gas move along the radius of a body of revolution, or around its axis? Then uniform gas does not stay so. */
 static bool flows_outwards(const struct gas *g, const double *U, long at) {
-    return g->forest->radial >= 0 && U[(g->forest->radial + 1) * g->forest->size + at] != 0;
+    const long size = g->forest->size;
+    if (g->forest->radial < 0) return false;
+    return U[(g->forest->radial + 1) * size + at] != 0 ||
+           (g->models.swirl && U[(g->models.swirl + 1) * size + at] != 0);
 }
 
 /* Sets bit i if cell i of 8 from `offset` on differs from the background. */

@@ -143,6 +143,8 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
     m->gas.components = s->components = g->initial->components;
     memcpy(s->axis, g->initial->axis, sizeof s->axis);
     models_turn(m, s->components, s->axis);
+    for (int k = s->dim; k < s->components && s->mesh->round.on; k++)
+        if (s->axis[k] != s->mesh->round.axial) m->gas.swirl = k;
     if (m->gas.material.disks && s->components == 3)
         return dict_fail(
             m->properties, "equationOfState",
@@ -192,9 +194,9 @@ static status gas_read_state(struct setup *s) {
     if (s->lattice && g->models->skip_axes && !implicit) TRY(uniform_find(s->mesh, g->initial, s->lattice));
     if (s->lattice) s->lattice->even = models->transport && !implicit;
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
-    for (int k = s->dim; k < s->components && s->mesh->round.on; k++)
-        if (s->axis[k] != s->mesh->round.axial)
-            return round_refuse(s, "swirl, a velocity around the axis", "take that component out of U");
+    if (models->swirl && s->grid->polyhedra)
+        return round_refuse(s, "swirl, a velocity around the axis, on polyhedra",
+                            "take that component out of U, or mesh it by blocks of equal cells");
     TRY(check_scheme(s, g));
     if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)
         return dict_fail(g->models->properties, "transport",
