@@ -269,7 +269,8 @@ status sum_blocks(const struct gas *g, const double *per_block, double *sum) {
 struct summing {
     const struct gas *g;
     const struct state *s;
-    int n; /* lines */
+    int n;     /* lines */
+    int block; /* of the grid */
     double sum[MAX_VAR];
 };
 
@@ -278,12 +279,18 @@ struct summing {
 static void sum_batch(void *summing, const struct block_batch *b) {
     struct summing *x = summing;
     const double *line[MAX_VAR], *volume = x->g->blocks.volume;
+    const struct forest *f = x->g->forest;
     double sum[MAX_VAR];
     memcpy(sum, x->sum, sizeof sum);
     for (int v = 0; v < MAX_VAR; v++) line[v] = x->s->block[b->block] + (v < x->n ? v : 0) * x->g->size + b->first;
     if (volume)
         for (int i = 0; i < b->n; i++)
             for (int v = 0; v < MAX_VAR; v++) sum[v] += volume[b->at[i]] * line[v][b->at[i]];
+    else if (f->radial >= 0)
+        for (int i = 0; i < b->n; i++) {
+            const double radius = forest_block_radius(f, &f->block[x->block], b->from + i);
+            for (int v = 0; v < MAX_VAR; v++) sum[v] += radius * line[v][i * b->step];
+        }
     else
         for (int i = 0; i < b->n; i++)
             for (int v = 0; v < MAX_VAR; v++) sum[v] += line[v][i * b->step];
@@ -294,7 +301,7 @@ static void sum_batch(void *summing, const struct block_batch *b) {
 static status integrate(const struct gas *g, const struct state *s, int n, double *total) {
     const int blocks = grid_blocks(g);
     for (int b = 0; b < blocks; b++) {
-        struct summing x = {.g = g, .s = s, .n = n};
+        struct summing x = {.g = g, .s = s, .n = n, .block = b};
         visit_block(g, b, s, sum_batch, &x);
         for (int v = 0; v < n; v++) g->blocks.sums[v * blocks + b] = x.sum[v];
     }

@@ -50,30 +50,36 @@ static void floor_bed_row(const struct gas *g, double *U, const double *part, in
 /* Adds a share of the momentum of a row to g->floors.given, the momentum that the density floor gave. */
 static void give(const struct gas *g, const struct row *row, const double *U, double share) {
     const int step = g->floors.step, place = row->block + step * (int)row->at;
+    double room[BATCH];
+    const double *weight = row_radius(g, row->block, row->at, row->n, room);
     for (int k = 0; k < g->components && g->floors.given[k]; k++)
-        for (int i = 0; i < row->n; i++) g->floors.given[k][place + i * step] += share * U[(k + 1) * g->size + i];
+        for (int i = 0; i < row->n; i++)
+            g->floors.given[k][place + i * step] += share * (weight ? weight[i] : 1) * U[(k + 1) * g->size + i];
 }
 
 static void floor_row(void *flooring, const struct row *row) {
     struct flooring *f = flooring;
     struct gas *g = f->g;
-    double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH];
+    double *U = f->s->block[row->block] + row->at, bad[BATCH], raised[BATCH], added[2][BATCH], room[BATCH];
     const int n = row->n, step = g->floors.step, place = row->block + step * (int)row->at;
     if (!find_bad(n, g->components, g->size, g->limits.least, g->limits.most, U, bad)) return;
     if (g->step.hybrid && g->dense->begun) {
         floor_bed_row(g, U, g->dense->part[row->block] + row->at, n);
         if (!find_bad(n, g->components, g->size, g->limits.least, g->limits.most, U, bad)) return;
     }
+    const double *weight = row_radius(g, row->block, row->at, n, room);
     if (g->limits.least > 0) {
         give(g, row, U, -g->floors.share);
         g->floors.filled += raise_density(n, g->components, g->size, g->limits.least, g->limits.most, U, bad, added);
         give(g, row, U, g->floors.share);
         for (int v = 0; v < 2; v++)
-            for (int i = 0; i < n; i++) g->floors.fill[v][place + i * step] += g->floors.share * added[v][i];
+            for (int i = 0; i < n; i++)
+                g->floors.fill[v][place + i * step] +=
+                    g->floors.share * (weight ? weight[i] * added[v][i] : added[v][i]);
     }
     g->floors.floored += raise_energy(n, g->components, g->size, g->limits.least, g->limits.most, U, bad, raised);
     for (int i = 0; i < n; i++) {
-        g->floors.raised[place + i * step] += raised[i];
+        g->floors.raised[place + i * step] += weight ? weight[i] * raised[i] : raised[i];
         f->bad += bad[i] > 0;
     }
 }

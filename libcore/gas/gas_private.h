@@ -355,7 +355,11 @@ struct advance {
     const double *restrict U0, *restrict from, *restrict residual;
     long each;
     double *restrict to, a, dt;
+    const double *weight; /* [n] of the cells in the sums of drop_row; NULL: 1 */
 };
+/* The radii (m) of n cells of a block of a round lattice, in room[BATCH]: sums per tile are weighted by them. NULL: the
+ * mesh is not round. */
+const double *row_radius(const struct gas *g, int block, long at, int n, double *room);
 /* Advances n <= BATCH states by L = residual. */
 void update_rows(const struct gas *g, int n, const struct advance *s);
 /* Adds rho g and rho u.g, the effect of gravity, to the residuals of rho u and E of n <= BATCH cells, but not where

@@ -144,6 +144,13 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
     add_power(n, power, residual[energy_at(g)]);
 }
 
+const double *row_radius(const struct gas *g, int block, long at, int n, double *room) {
+    const struct forest *f = g->forest;
+    if (!f || f->radial < 0) return NULL;
+    for (int i = 0; i < n; i++) room[i] = forest_radius(f, forest_place_along(f, block, at + i, f->radial) + 0.5);
+    return room;
+}
+
 void drop_begin(const struct gas *g) {
     if (g->falling.dropped) memset(g->falling.dropped, 0, (size_t)g->floors.places * sizeof *g->falling.dropped);
     if (g->falling.denser) memset(g->falling.denser, 0, (size_t)g->floors.places * sizeof *g->falling.denser);
@@ -165,9 +172,10 @@ void drop_row(const struct gas *g, int n, const struct advance *s, const double 
         }
         s->to[energy_at(g) * size + i] += (1 - a) * work;
         if (part && part[i] > 0) continue;
-        dropped[i * g->floors.step] += more;
+        const double weight = s->weight ? s->weight[i] : 1;
+        dropped[i * g->floors.step] += weight * more;
         if (g->falling.denser)
-            g->falling.denser[dropped - g->falling.dropped + i * g->floors.step] += dt * (rho - s->from[i]);
+            g->falling.denser[dropped - g->falling.dropped + i * g->floors.step] += weight * (dt * (rho - s->from[i]));
     }
 }
 

@@ -203,6 +203,23 @@ const double *fronts_floor(const struct gas *g, const struct strip *s);
 void voids_row(const struct gas *g, const double *U, int j, int k);
 bool voids_find(const struct gas *g, const double *U, const struct strip *s, double *flat);
 
+/* The lines of the faces below and above the cells of a row along an axis: variable v at low[v], high[v]. */
+struct faces_of_row {
+    const double (*low)[BATCH], (*high)[BATCH];
+    double inverse; /* 1/width */
+};
+
+/* Bodies of revolution (libcore/lattice/tiles_round.c). */
+struct round_line { /* n cells of a row; radial: computational axis; half: 1/(2 r), 1/m; momentum and velocity along r
+                     */
+    int n, nvar, radial, swirl;
+    const double *half, *momentum, *velocity;
+    const double *around[2]; /* momentum and velocity around the axis, if there is swirl */
+};
+/* Computes the residuals of such cells of a block U from the fluxes through their faces, f[dim]. */
+void round_residual(const struct gas *g, int tile, const double *U, long offset, int n, const struct faces_of_row *f,
+                    double (*residual)[BATCH]);
+
 struct edge { /* n <= BATCH cells along a side: offsets of the first cell and of its ghost; `step` from cell to cell */
     const struct patch_rules *rules;
     const int *face; /* [n] within the patch */

@@ -72,6 +72,14 @@ static long find_reference(const struct gas *g, const struct tile *t, const doub
     return -1;
 }
 
+/* Does gas move along the radius of a body of revolution, or around its axis? Then uniform gas does not stay so. */
+static bool flows_outwards(const struct gas *g, const double *U, long at) {
+    const long size = g->forest->size;
+    if (g->forest->radial < 0) return false;
+    return U[(g->forest->radial + 1) * size + at] != 0 ||
+           (g->models.swirl && U[(g->models.swirl + 1) * size + at] != 0);
+}
+
 /* Sets bit i if cell i of 8 from `offset` on differs from the background. */
 KERNEL static unsigned block_differs(int nvar, long size, const double *restrict U, long offset) {
     uint64_t any[BLOCK] = {0};
@@ -120,7 +128,7 @@ bool activity_find(const struct gas *g, int tile, const struct state *s) {
     if (s->narrow[tile]) return true;
     if (!has_background(g, t, s->varied[tile])) {
         long reference = find_reference(g, t, U, falls);
-        if (reference < 0) return false;
+        if (reference < 0 || flows_outwards(g, U, reference)) return false;
         for (int v = 0; v < g->nvar; v++) U[v * g->forest->size] = U[v * g->forest->size + reference];
         if (falls) g->falling.cells[tile][0] = falls[reference];
     }

@@ -8,9 +8,10 @@ struct line { /* a run of cells along a side of a tile, and their ghosts in one 
     long step;        /* from cell to cell */
     long first, from; /* offsets of the first cell inside and of the cell that the ghost is made from */
     long ghost;
-    long inward; /* from cell to cell into the tile; 0: it has one cell there */
-    int layer;   /* of the ghosts: 1, 2, .. */
-    double out;  /* +1 at the high side, -1 at the low side */
+    long inward;  /* from cell to cell into the tile; 0: it has one cell there */
+    int layer;    /* of the ghosts: 1, 2, .. */
+    double out;   /* +1 at the high side, -1 at the low side */
+    bool on_axis; /* of a body of revolution? There swirl changes its sign */
 };
 
 static void fill_line(const struct gas *g, const struct patch_rules *r, struct line *l, double *U) {
@@ -31,6 +32,7 @@ static void fill_line(const struct gas *g, const struct patch_rules *r, struct l
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < n; i++) inner[v][i] = U[v * size + l->from + i * l->step];
     patch_ghosts(g, r, &l->patch, inner, ghost);
+    for (int i = 0; i < n && l->on_axis; i++) ghost[g->models.swirl + 1][i] = -ghost[g->models.swirl + 1][i];
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < n; i++) U[v * size + l->ghost + i * l->step] = ghost[v][i];
 }
@@ -52,6 +54,7 @@ static void side_ghosts(const struct gas *g, const struct tile *t, int axis, int
             for (int m = 1; m <= layers; m++) {
                 struct line l = {
                     .step = f->stride[across], .out = high ? 1 : -1, .layer = m, .patch = {.normal = axis}};
+                l.on_axis = g->models.swirl && f->radial == axis && !high && f->inner == 0 && t->low[axis] == 0;
                 l.inward = t->n[axis] > 1 ? inward : 0;
                 l.patch.n = t->n[across] - start < BATCH ? t->n[across] - start : BATCH;
                 l.first = f->first + (high ? (t->n[axis] - 1) * f->stride[axis] : 0) + k * f->stride[deep] +

@@ -187,11 +187,6 @@ static void face_fluxes(struct gas *g, const double *U, const struct strip *s, d
     if (g->books.tally) tiles_tally(g, s, out, column);
 }
 
-/* The lines of the faces below and above the cells of a row along an axis: variable v at low[v], high[v]. */
-struct faces_of_row {
-    const double (*low)[BATCH], (*high)[BATCH];
-    double inverse; /* 1/width */
-};
 static struct faces_of_row faces_of_row(const struct gas *g, int axis, const double *low, const double *high) {
     return (struct faces_of_row){(const double(*)[BATCH])low, (const double(*)[BATCH])high, 1 / g->forest->width[axis]};
 }
@@ -266,7 +261,9 @@ static void update_row(struct update *u, long offset, int n, double (*residual)[
     const struct gas *g = u->g;
     const double *falls = u->falls ? u->falls + offset : NULL, *flag = u->dropped ? u->flag + offset : NULL;
     const double *part = tiles_hold_bed(g, u->tile) ? g->dense->part[u->tile] + offset : NULL;
-    const struct advance s = {.U0 = u->U0 + offset,
+    double radius[BATCH];
+    const struct advance s = {.weight = u->dropped ? row_radius(g, u->tile, offset, n, radius) : NULL,
+                              .U0 = u->U0 + offset,
                               .from = u->from + offset,
                               .residual = residual[0],
                               .each = BATCH,
@@ -419,7 +416,10 @@ static void advance_cells(struct stage_sweep *x, int j, int k) {
     }
     for (int a = 0; a < g->dim && g->carried; a++)
         tiles_carry(g, x->tile, a, row + s.low, s.high - s.low, f[a].low[0], f[a].high[0]);
-    residual_row(g->dim, s.high - s.low, g->nvar, f, residual);
+    if (g->forest->radial < 0)
+        residual_row(g->dim, s.high - s.low, g->nvar, f, residual);
+    else
+        round_residual(g, x->tile, x->pass.U, row + s.low, s.high - s.low, f, residual);
     update_row(x->update, row + s.low, s.high - s.low, residual);
 }
 

@@ -53,7 +53,7 @@ static void settle_tile(struct gas *g, int tile, const struct state *U0, const s
                         const struct state *to, double a, double dt, struct settled *last) {
     const double none[MAX_VAR] = {0},
                  *falls = g->falling.cells && g->falling.blocks[tile] ? g->falling.cells[tile] : NULL;
-    const struct advance s = {U0->block[tile], from->block[tile], none, 1, to->block[tile], a, dt};
+    const struct advance s = {U0->block[tile], from->block[tile], none, 1, to->block[tile], a, dt, NULL};
     const int *n = g->forest->tile[tile].n;
     if (last->tile < 0 || falls || !same_background(g, s.U0, U0->block[last->tile]) ||
         !same_background(g, s.from, from->block[last->tile])) {

@@ -115,8 +115,9 @@ static void visit_side(const struct gas *g, const struct forest_block *b, int si
     const struct tile *t = &f->tile[b->tile];
     const int axis = side / 2, across = side < 2 ? 1 : 0, deep = side < 4 ? 2 : 1;
     const int first = g->books.tally->first[6 * b->tile + side];
-    const double area = f->volume / f->width[axis];
-    struct gas_face face = {.patch = t->side[side].patch, .area = area};
+    struct gas_face face = {.patch = t->side[side].patch, .area = f->volume / f->width[axis]};
+    if (f->radial == axis) face.area *= forest_radius(f, b->low[axis] + (side % 2 ? b->n[axis] : 0));
+    const double area = face.area;
     face.normal[axis] = side % 2 ? 1 : -1;
     face.centre[axis] = f->origin[axis] + (b->low[axis] + (side % 2 ? b->n[axis] : 0)) * f->width[axis];
     for (int k = 0; k < b->n[deep]; k++)
@@ -125,7 +126,8 @@ static void visit_side(const struct gas *g, const struct forest_block *b, int si
             if (across < f->dim)
                 face.centre[across] = f->origin[across] + (b->low[across] + j + 0.5) * f->width[across];
             if (deep < f->dim) face.centre[deep] = f->origin[deep] + (b->low[deep] + k + 0.5) * f->width[deep];
-            tally_face(g, first + at[1] * t->n[across] + at[0], area, &face);
+            if (f->radial >= 0 && f->radial == across) face.area = area * forest_radius(f, b->low[across] + j + 0.5);
+            tally_face(g, first + at[1] * t->n[across] + at[0], face.area, &face);
             visit(context, &face);
         }
 }

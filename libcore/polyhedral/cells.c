@@ -76,6 +76,7 @@ static status cells_make(struct gas *g) {
     TRY(cells_sides_make(c->polyhedra, &c->sides));
     TRY(cells_rules_make(g));
     TRY(cells_weight_make(g));
+    TRY(cells_round_make(g));
     TRY(cells_fronts_make(g));
     if (needs_shear_rate(&g->models)) TRY(cells_shear_rate_make(g));
     return g->models.transport ? cells_diffuser_make(g) : OK;
@@ -95,6 +96,7 @@ static void cells_free(struct gas *g) {
     cells_diffuser_free(c->diffuser);
     cells_shear_rate_free(c->shear_rate);
     cells_weight_free(c->weight);
+    cells_round_free(c->round);
     cells_rest_free(c->rest);
     cells_rules_free(c->rules);
     cells_fronts_free(c->fronts);

@@ -47,6 +47,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_rules *rules;           /* libcore/polyhedral/cells_rules.c; NULL: no face follows a rule of its own */
     struct cells_shear_rate *shear_rate; /* libcore/polyhedral/cells_shear_rate.c; NULL: no law asks for it */
     struct cells_carried *carried;       /* libcore/polyhedral/cells_carried.c; NULL: the gas carries nothing */
+    struct cells_round *round;           /* libcore/polyhedral/cells_round.c; NULL: the mesh is not round */
     struct cells_bed *bed;               /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
 
@@ -152,6 +153,16 @@ double cells_rest_miss(const struct gas *g, int face, int cell, double fall);
 void cells_rest_pressures(const struct gas *g, int from, int n, double *out);
 /* How near a cell < nnear is to U*, the w of the last cells_rest_find, and p* there. */
 double cells_rest_near(const struct gas *g, int cell, double *p);
+
+/* ---- bodies of revolution (libcore/polyhedral/cells_round.c) ---- */
+
+status cells_round_make(struct gas *g);
+void cells_round_free(struct cells_round *r);
+/* Notes the pressures on both sides of the points of faces first <= i < last. */
+void cells_round_note(const struct gas *g, int first, int last, const double *left, const double *right);
+/* Adds the pressure along the radius to the residuals of n <= BATCH cells, whose variables lie g->size apart from U on,
+ * once all their faces are noted. */
+void cells_round_push(const struct gas *g, int at, int n, const double *U, double *const residual[MAX_VAR]);
 
 /* ---- rules of single faces (libcore/polyhedral/cells_rules.c) ---- */
 

@@ -247,6 +247,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
         states_beyond(g, U, p);
     if (g->models.flux->paced) set_paces(g, p);
     struct faces faces = point_primitives(g, p);
+    if (c->round) cells_round_note(g, first, last, p->p[LEFT], p->p[RIGHT]);
     if (p->ruled) set_rules(g, from, p, &faces);
     if (cells_fronts_floor(g, p->n, p->face, p->floor)) set_floors(p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
@@ -381,6 +382,7 @@ static void update_chunk(struct stage *t, int at) {
         in[v] = s.from + v * m->size;
         cells_residuals(c, at, n, c->flux[v], residual[v]);
     }
+    if (c->round) cells_round_push(g, at, n, s.from, residual);
     if (g->falling.cells) weigh_row(g, n, in, falls, flag, residual);
     if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
     update_rows(g, n, &s);

@@ -17,7 +17,7 @@ struct point_list { /* face points of the cells */
 };
 
 static double unit(const struct polyhedra *m, int i) { /* h = volume^(1/dim), the same bits everywhere */
-    double volume = m->volume[i];
+    double volume = m->round.radial >= 0 ? m->volume[i] / m->round.radius[i] : m->volume[i];
     return m->dim == 1 ? volume : m->dim == 2 ? sqrt(volume) : power(volume, 1. / 3);
 }
 static int smallest(int a, int b) {

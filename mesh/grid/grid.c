@@ -149,7 +149,11 @@ void grid_free(struct grid *g) {
 
 double grid_volume(const struct grid *g, int block, int i) {
     const struct polyhedra *m = g->polyhedra;
-    return g->forest ? g->forest->volume : m->extent[m->block_cell[m->block_start[block] + i]];
+    const struct forest *f = g->forest;
+    if (f && f->radial >= 0) return f->volume * forest_block_radius(f, &f->block[block], i);
+    if (f) return f->volume;
+    const int cell = m->block_cell[m->block_start[block] + i];
+    return m->round.radial >= 0 ? m->thickness * m->volume[cell] : m->extent[cell];
 }
 
 void grid_centre(const struct grid *g, int block, int i, double x[3]) {

@@ -3,6 +3,7 @@
  * on their patches, and its blocks with their cells. */
 #include "mesh/lattice/forest.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -116,6 +117,17 @@ static status make_blocks(struct forest *f, const struct lattice *l) {
     return OK;
 }
 
+/* Takes the radii of a body of revolution. A lattice lies within its tolerance of the grid, and so does the axis. */
+static void describe_round(struct forest *f, const struct round *r) {
+    f->radial = -1;
+    for (int k = 0; k < f->dim && r->on; k++)
+        if (f->axis[k] == r->radial) f->radial = k;
+    if (f->radial < 0) return;
+    f->inner = f->origin[f->radial] - r->at;
+    if (fabs(f->inner) < 1e-6 * f->width[f->radial]) f->inner = 0;
+    f->volume *= 6.283185307179586477 / r->depth;
+}
+
 static void describe_lattice(struct forest *f, const struct lattice *l, const struct polymesh *m) {
     f->dim = l->dim;
     f->volume = 1;
@@ -127,6 +139,7 @@ static void describe_lattice(struct forest *f, const struct lattice *l, const st
         f->volume *= l->width[k];
         if (l->uniform[k]) f->images *= l->n[k];
     }
+    describe_round(f, &m->round);
     f->ncells_all = m->ncells;
 }
 

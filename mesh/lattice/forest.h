@@ -40,7 +40,9 @@ struct forest {
     int axis[3];      /* [dim] physical axis (0 x, 1 y, 2 z) of computational axis k */
     double width[3];  /* m */
     double origin[3]; /* m */
-    double volume;    /* m^3, of one cell, with the thickness of empty axes */
+    double volume;    /* m^3, of one cell, with the thickness of empty axes; if round, m^2: times the cell's radius */
+    int radial;       /* computational axis along the radius; -1: the mesh is not round (struct round) */
+    double inner;     /* m: radius of the origin; 0 on the axis, to the bit */
     /* memory layout of one variable of one tile, the same for all: cell (i, j, k), ghosts at -GHOSTS and n .. n+2 */
     long stride[3]; /* doubles: stride[0] = 1; rows are padded so that `first` and stride[1] are multiples of 8 */
     long first;     /* offset of cell (0, 0, 0) */
@@ -57,6 +59,26 @@ struct forest {
     const struct comm *comm;
     struct forest_private *hidden; /* the trees, the plan of the ghost exchange */
 };
+
+/* The radius (m) of a place of a round lattice: cell i has its centre at i + 0.5. */
+static inline double forest_radius(const struct forest *f, double place) {
+    return f->inner + place * f->width[f->radial];
+}
+/* That of cell i of a block, axis 0 fastest. */
+static inline double forest_block_radius(const struct forest *f, const struct forest_block *b, int i) {
+    const int at = f->radial == 0 ? i % b->n[0] : i / b->n[0] % b->n[1];
+    return forest_radius(f, b->low[f->radial] + at + 0.5);
+}
+
+/* The place along computational axis k of the cell at `offset` of a tile, in the lattice. */
+static inline int forest_place_along(const struct forest *f, int tile, long offset, int k) {
+    long at[3] = {0}, remains = offset - f->first;
+    for (int a = f->dim - 1; a >= 0; a--) {
+        at[a] = remains / f->stride[a];
+        remains -= at[a] * f->stride[a];
+    }
+    return f->tile[tile].low[k] + (int)at[k];
+}
 
 /* Cuts lattice l of mesh m into tiles of about tile_size cells a side; cuts also fall on every plane where the boundary
  * or its patch changes. Refuses (ERR_INPUT) a mesh with a passage of fewer than GHOSTS cells between two such planes

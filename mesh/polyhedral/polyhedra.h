@@ -56,6 +56,17 @@ struct polyhedra_mirrors {
     double *normal[3];     /* [dim][n] unit, out of the cell; the frame is the face's */
     double *tangent[2][3]; /* [dim - 1][dim][n] */
 };
+/* Of a body of revolution (struct round of mesh/format/polymesh.h). Averages over cells and faces are weighted by the
+ * radius r, exactly: volumes are the integrals of r over the cells in the plane, areas those over the faces, centres,
+ * moments and points of faces those of that weight; `thickness` is that of a full turn. A face on the axis has an area
+ * so small that it counts nothing, and a normal. */
+struct polyhedra_round {
+    int radial;     /* computational axis along the radius */
+    double at;      /* m: where the axis lies along it */
+    double *radius; /* [size] m: mean radius, the volume over that of the cell in the plane */
+    double *reach;  /* [faces] m: mean radius of the face, the area over that in the plane */
+    double *lag[3]; /* [dim][nown] m: from the centre to that of the cell in the plane */
+};
 struct polyhedra {
     int dim, axis[3];
     double thickness; /* product of the extents of the empty axes, m^(3-dim) */
@@ -64,6 +75,7 @@ struct polyhedra {
     int *cell;                         /* [ncells] polyMesh cell; mirrors have none */
     double (*middle)[3], *extent;      /* [nown] m along x, y, z; m^3: centre and volume by polymesh_cell_geometry */
     double *volume;                    /* [size] m^dim */
+    struct polyhedra_round round;      /* radial -1: the mesh is not round */
     double *centre[3];                 /* [dim][size] m; a ghost across a cyclic patch has its own place */
     double *moment[POLYHEDRA_MOMENTS]; /* [dim (dim+1)/2][size] mean of (x-c)_a (x-c)_b, a <= b: xx xy yy or xx xy xz yy
                                           .. */

@@ -7,9 +7,19 @@
 
 #include "mesh/polyhedral/polyhedra_private.h"
 
+static const double ON_AXIS = 1e-7;   /* m: radius of a face on the axis, times its length, that is round-off */
+static const double NOTHING = 1e-200; /* m: the radius that it counts with, as fluxes are divided by areas */
+
 status lines_make(struct polyhedra *m, double **line, int count, long n, const char *what) {
     for (int k = 0; k < count; k++) TRY(pool_take(&m->pool, &line[k], n, sizeof *line[k], what));
     return OK;
+}
+
+/* The computational axis along the radius of a body of revolution; -1: the mesh is none. */
+static int radial_of(const struct links *l) {
+    for (int k = 0; k < l->dim && l->all->round.on; k++)
+        if (l->axis[k] == l->all->round.radial) return k;
+    return -1;
 }
 
 static const double *point_of(const struct links *l, int p) {
@@ -30,6 +40,8 @@ static double dot(const double *a, const double *b) {
 
 struct shape { /* a cell; sums about `origin` while it is made */
     int dim;
+    int radial;      /* axis along the radius of a body of revolution; -1: the mesh is none */
+    double at, flat; /* m: where its axis lies along that; m^dim: volume in the plane */
     double origin[3], volume, first[3], second[POLYHEDRA_MOMENTS];
 };
 
@@ -37,11 +49,40 @@ static int moment_of(int dim, int a, int b) {
     return a * dim - a * (a - 1) / 2 + b - a;
 }
 
+/* Does what add_simplex does, with the weight r = r_0 + x_r. With Q_ab = sum_i v_ia v_ib, C_abc = sum_i v_ia v_ib v_ic
+ *   int x_a x_b x_c = V (S_a S_b S_c + S_a Q_bc + S_b Q_ac + S_c Q_ab + 2 C_abc) / ((d + 1) (d + 2) (d + 3)). */
+static void add_round_simplex(struct shape *s, const double v[3][3], double volume) {
+    const int d = s->dim, r = s->radial;
+    const double r0 = s->origin[r] - s->at, third = volume / ((d + 1) * (d + 2) * (d + 3));
+    double S[3] = {0}, Q[3][3] = {{0}}, second[3][3];
+    for (int i = 0; i < d; i++)
+        for (int a = 0; a < d; a++) {
+            S[a] += v[i][a];
+            for (int b = 0; b < d; b++) Q[a][b] += v[i][a] * v[i][b];
+        }
+    for (int a = 0; a < d; a++)
+        for (int b = 0; b < d; b++) second[a][b] = volume * (S[a] * S[b] + Q[a][b]) / ((d + 1) * (d + 2));
+    s->flat += volume;
+    s->volume += volume * (r0 + S[r] / (d + 1));
+    for (int a = 0; a < d; a++) s->first[a] += r0 * (volume * S[a] / (d + 1)) + second[a][r];
+    for (int a = 0; a < d; a++)
+        for (int b = a; b < d; b++) {
+            double C = 0;
+            for (int i = 0; i < d; i++) C += v[i][a] * v[i][b] * v[i][r];
+            s->second[moment_of(d, a, b)] += r0 * second[a][b] + third * (S[a] * S[b] * S[r] + S[a] * Q[b][r] +
+                                                                          S[b] * Q[a][r] + S[r] * Q[a][b] + 2 * C);
+        }
+}
+
 /* Adds the simplex of the origin and d corners v_i, of volume V. With the sum S of the corners
  *   int x_a = V S_a / (d + 1),   int x_a x_b = V (sum_i v_ia v_ib + S_a S_b) / ((d + 1) (d + 2)). */
 static void add_simplex(struct shape *s, const double v[3][3], double volume) {
     const int d = s->dim;
     double sum[3] = {0};
+    if (s->radial >= 0) {
+        add_round_simplex(s, v, volume);
+        return;
+    }
     s->volume += volume;
     for (int a = 0; a < d; a++) {
         for (int i = 0; i < d; i++) sum[a] += v[i][a];
@@ -93,13 +134,14 @@ static void add_face_1d(struct shape *s, const struct links *l, int face, double
     add_simplex(s, (const double(*)[3])v, l->face_area[3L * face + l->axis[0]] * sign > 0 ? v[0][0] : -v[0][0]);
 }
 
-/* Measures polyMesh cell c: volume, centre (in `first`) and mean second moments about the centre. */
-static void measure_cell(const struct links *l, int c, struct shape *s) {
+/* Measures polyMesh cell c: volume, centre (in `first`) and mean second moments about the centre; weighted by the
+ * radius if there is one. */
+static void measure_shape(const struct links *l, int c, int radial, struct shape *s) {
     static void (*const add_face[])(struct shape *, const struct links *, int, double) = {add_face_1d, add_face_2d,
                                                                                           add_face_3d};
     const int from = l->cell_start[c], to = l->cell_start[c + 1], d = l->dim;
     bool outward;
-    *s = (struct shape){.dim = d};
+    *s = (struct shape){.dim = d, .radial = radial, .at = l->all->round.at};
     for (int i = from; i < to; i++)
         for (int k = 0; k < d; k++)
             s->origin[k] += l->face_centre[3L * links_face(l, l->cell_link[i], &outward) + l->axis[k]] / (to - from);
@@ -116,6 +158,25 @@ static void measure_cell(const struct links *l, int c, struct shape *s) {
     for (int a = 0; a < d; a++) s->first[a] += s->origin[a];
 }
 
+static status make_round(struct polyhedra *m, const struct links *l) {
+    m->round.radial = radial_of(l);
+    m->round.at = l->all->round.at;
+    if (m->round.radial < 0) return OK;
+    m->thickness *= 6.283185307179586477 / l->all->round.depth;
+    TRY(pool_take(&m->pool, &m->round.reach, m->face.n, sizeof *m->round.reach, "the faces"));
+    TRY(pool_take(&m->pool, &m->round.radius, m->size, sizeof *m->round.radius, "the cells"));
+    return lines_make(m, m->round.lag, m->dim, m->nown, "the cells");
+}
+
+/* Notes the mean radius of cell i, which has the shape s, and of my cells the way to the centre in the plane. */
+static void note_round(struct polyhedra *m, const struct links *l, int i, const struct shape *s) {
+    struct shape flat;
+    m->round.radius[i] = s->volume / s->flat;
+    if (i >= m->nown) return;
+    measure_shape(l, m->cell[i], -1, &flat);
+    for (int k = 0; k < m->dim; k++) m->round.lag[k][i] = flat.first[k] - s->first[k];
+}
+
 static status make_cells(struct polyhedra *m, const struct links *l) {
     const int nmoments = m->dim * (m->dim + 1) / 2;
     TRY(pool_take(&m->pool, &m->volume, m->size, sizeof *m->volume, "the cells"));
@@ -123,7 +184,7 @@ static status make_cells(struct polyhedra *m, const struct links *l) {
     TRY(lines_make(m, m->moment, nmoments, m->size, "the cells"));
     for (int i = 0; i < m->ncells; i++) {
         struct shape s;
-        measure_cell(l, m->cell[i], &s);
+        measure_shape(l, m->cell[i], m->round.radial, &s);
         if (!(s.volume > 0)) {
             bool outward;
             const double *x = l->face_centre + 3L * links_face(l, l->cell_link[l->cell_start[m->cell[i]]], &outward);
@@ -131,6 +192,7 @@ static status make_cells(struct polyhedra *m, const struct links *l) {
                         links_cell_name(l, m->cell[i]), x[0], x[1], x[2], s.volume);
         }
         m->volume[i] = s.volume;
+        if (m->round.radial >= 0) note_round(m, l, i, &s);
         for (int k = 0; k < m->dim; k++) m->centre[k][i] = s.first[k];
         for (int k = 0; k < nmoments; k++) m->moment[k][i] = s.second[k];
     }
@@ -179,6 +241,13 @@ static void measure_face(const struct links *l, int face, struct frame *f) {
     }
 }
 
+/* The mean radius of a face of a body of revolution; 1 if the mesh is none. */
+static double radius_of(const struct polyhedra *m, const struct frame *f) {
+    if (m->round.radial < 0) return 1;
+    const double r = f->centre[m->round.radial] - m->round.at;
+    return r > ON_AXIS * f->area ? r : NOTHING;
+}
+
 static status make_faces(struct polyhedra *m, const struct links *l, const int *link_of) {
     struct polyhedra_faces *face = &m->face;
     TRY(pool_take(&m->pool, &face->area, face->n, sizeof *face->area, "the faces"));
@@ -190,7 +259,8 @@ static status make_faces(struct polyhedra *m, const struct links *l, const int *
         int image;
         measure_face(l, l->face[link_of[i]], &f);
         links_cross(l, link_of[i], 0, &image);
-        face->area[i] = f.area;
+        face->area[i] = f.area * radius_of(m, &f);
+        if (m->round.radial >= 0) m->round.reach[i] = radius_of(m, &f);
         for (int k = 0; k < m->dim; k++) {
             face->normal[k][i] = f.normal[k];
             face->shift[k][i] = l->image[image][k];
@@ -208,6 +278,7 @@ static void reflect(struct polyhedra *m, int from, int to, const struct frame *f
     const double *n = f->normal;
     double depth = 0, second[3][3], turned[3][3] = {{0}};
     m->volume[to] = m->volume[from];
+    if (m->round.radial >= 0) m->round.radius[to] = m->round.radius[from];
     for (int k = 0; k < d; k++) depth += (f->centre[k] - m->centre[k][from]) * n[k];
     for (int k = 0; k < d; k++) m->centre[k][to] = m->centre[k][from] + 2 * depth * n[k];
     for (int a = 0; a < d; a++)
@@ -302,11 +373,31 @@ static void place_points_3d(const struct links *l, int face, const struct frame 
             add_triangle(r, f->centre, point_of(l, p[i]), point_of(l, p[(i + 1) % n]), f->normal);
 }
 
+/* Places the points of an edge in the plane by the weight r: the two Gauss points are exact for cubic functions, so
+ * that they are for quadratic ones times r; one point at their mean is exact for linear ones. */
+static void place_round(const struct links *l, const struct frame *f, int order, int radial, struct face_rule *r) {
+    const double at = l->all->round.at, along = 0.5 / sqrt(3.0) * f->area;
+    double x[2][3] = {{0}}, weight[2], sum = 0, mean[3] = {0};
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 2; k++) x[i][k] = f->centre[k] + (i ? along : -along) * f->tangent[0][k];
+        weight[i] = f->centre[radial] - at > ON_AXIS * f->area ? x[i][radial] - at : 0.5;
+        sum += weight[i];
+    }
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 2; k++) mean[k] += weight[i] / sum * x[i][k];
+        if (order > 1) add_point(r, x[i], weight[i]);
+    }
+    if (order == 1) add_point(r, mean, 1);
+}
+
 static void place_points(const struct links *l, int face, int order, struct face_rule *r) {
     struct frame f;
+    const int radial = radial_of(l);
     measure_face(l, face, &f);
     r->n = 0;
-    if (order == 1 || l->dim == 1)
+    if (radial >= 0 && l->dim == 2)
+        place_round(l, &f, order, radial, r);
+    else if (order == 1 || l->dim == 1)
         add_point(r, f.centre, 1);
     else if (l->dim == 2)
         for (int i = 0; i < 2; i++) {
@@ -411,6 +502,7 @@ static status make_places(struct polyhedra *m, const struct links *l) {
 status geometry_make(struct polyhedra *m, const struct links *l, const int *local, const int *link_of,
                      const int *mirror_link, int order) {
     TRY(make_places(m, l));
+    TRY(make_round(m, l));
     TRY(make_cells(m, l));
     TRY(make_mirrors(m, l, mirror_link));
     TRY(make_faces(m, l, link_of));

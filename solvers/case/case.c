@@ -6,6 +6,7 @@
 
 #include "solvers/case/blockmesh.h"
 #include "solvers/case/changes.h"
+#include "solvers/case/round.h"
 
 #include <limits.h>
 #include <math.h>
@@ -188,6 +189,8 @@ static status read_setup(struct setup *s, const struct medium_type *type) {
     release_freed();
     if (type->whole) TRY(setup_complete(s));
     s->dim = s->components = polymesh_axes(s->mesh, s->axis);
+    TRY(round_read(s));
+    if (s->mesh->round.on && !type->round) return round_refuse(s, type->application, "run granularGas");
     TRY(type->read(s));
     if (!s->medium->fields.quantity) s->medium->fields = type->fields;
     TRY(warn_header(&s->warnings, s->control->dict, "dictionary"));
@@ -268,6 +271,7 @@ void case_free(struct setup *s) {
     lattice_free(s->lattice);
     polymesh_free(s->mesh);
     control_free(s->control);
+    if (s->mesh_dict) dict_free(s->mesh_dict);
     drop_cells(s);
     free(s);
 }

@@ -23,6 +23,7 @@ struct setup { /* the same on every rank, but for the grid */
     struct control *control;
     struct warnings warnings;
     struct polymesh *mesh;
+    struct dict *mesh_dict;    /* system/meshDict (round.h); NULL: there is none */
     char mesh_path[TIME_PATH]; /* of the folder or file that says it */
     struct spread *spread;     /* of a mesh that is spread over the ranks, until setup_release; else NULL */
     /* [ncells][3] m, [ncells] m^3: of the cells. On lattices, and of a mesh that is spread, they are there after

@@ -21,6 +21,11 @@ static const struct param integral_param[] = {
     ONLY("regionType", 0, regions, "the whole mesh"),
 };
 
+/* Have all cells the same volume? */
+static bool are_alike(const struct grid *g) {
+    return g->forest && g->forest->radial < 0;
+}
+
 /* Sums a component of a field over a block, cell by cell. Where the block is uniform (n = 1) and has the value of the
  * last such call, the sum is that of then. */
 static double sum_block(const struct function *f, int field, int b, int component, int n, const double *v) {
@@ -30,9 +35,10 @@ static double sum_block(const struct function *f, int field, int b, int componen
     double *kept = own->kept + 2 * ((3L * field + component) * grid->nblocks + b), total = 0;
     if (n == 1 && !memcmp(kept, v, sizeof *v)) return kept[1];
     for (int i = 0; i < block->ncells && own->operation == SUM; i++) total += v[n > 1 ? i : 0];
-    const double same = grid->forest ? grid->forest->volume : 0; /* of a lattice's cells */
+    const bool alike = are_alike(grid);
+    const double same = alike ? grid->forest->volume : 0;
     for (int i = 0; i < block->ncells && own->operation != SUM; i++)
-        total += (grid->forest ? same : grid_volume(grid, b, i)) * v[n > 1 ? i : 0];
+        total += (alike ? same : grid_volume(grid, b, i)) * v[n > 1 ? i : 0];
     if (n > 1) return total;
     kept[0] = *v;
     return kept[1] = total;
@@ -97,8 +103,9 @@ static void integral_head(const struct function *f, int which, FILE *o) {
     const struct grid *grid = f->setup->grid;
     double volume = 0, part = 0;
     (void)which;
-    if (grid->polyhedra) volume = v->volume;
-    for (int i = 0; grid->forest && i < grid->ncells_all; i++) { /* in pieces, which keep the digits of equal volumes */
+    if (!are_alike(grid)) volume = v->volume;
+    for (int i = 0; are_alike(grid) && i < grid->ncells_all;
+         i++) { /* in pieces, which keep the digits of equal volumes */
         part += grid->forest->volume;
         if (i % 1000 != 999) continue;
         volume += part;

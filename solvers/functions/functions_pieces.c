@@ -169,7 +169,7 @@ static status cut_cell(struct making *m, int cell) {
     const double size = dot(c.area, m->normal);
     if (!c.any || size == 0) return OK;
     for (int k = 0; k < 3; k++) c.centre[k] /= size;
-    struct piece piece = {.slot = slot_for(m, cell), .area = fabs(size)};
+    struct piece piece = {.slot = slot_for(m, cell), .area = fabs(size) * round_turn(&mesh->round, c.centre)};
     memcpy(piece.normal, m->normal, sizeof piece.normal);
     TRY(weigh_neighbours(m, cell, c.centre, &piece));
     return add_piece(m, &piece);
@@ -200,7 +200,8 @@ static status take_faces(struct making *m, const struct patch_choice *c) {
             double centre[3], area[3];
             polymesh_patch_face(mesh, p, i, centre, area);
             const double size = sqrt(dot(area, area));
-            struct piece piece = {.slot = slot_for(m, polymesh_patch_cell(mesh, p, i)), .area = size};
+            struct piece piece = {.slot = slot_for(m, polymesh_patch_cell(mesh, p, i)),
+                                  .area = size * round_turn(&mesh->round, centre)};
             for (int k = 0; k < 3; k++) piece.normal[k] = area[k] / size;
             TRY(add_piece(m, &piece));
         }

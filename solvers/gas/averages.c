@@ -71,6 +71,14 @@ static void add_states(struct averager *a) {
     }
 }
 
+/* Weighs the points of a cell by their radius in a body of revolution. */
+static void weigh_round(const struct round *r, int n, double (*x)[3], double *weight) {
+    double sum = 0;
+    if (!r->on) return;
+    for (int i = 0; i < n; i++) sum += weight[i] *= x[i][r->radial] - r->at;
+    for (int i = 0; i < n; i++) weight[i] /= sum;
+}
+
 static status run(struct averager *a) {
     const struct spread *spread = a->place->spread;
     const int ncells = (int)a->s->ncells, base = spread ? spread->base : 0;
@@ -90,6 +98,7 @@ static status run(struct averager *a) {
         a->n = 0;
         for (int c = from; c < ncells && c < from + CHUNK; c++) {
             int points = quadrature_cell(a->quadrature, base + c, a->x + a->n, a->weight + a->n);
+            weigh_round(&a->place->mesh->round, points, a->x + a->n, a->weight + a->n);
             while (points--) a->cell[a->n++] = c;
         }
         TRY(take_states(a));

@@ -5,6 +5,7 @@
 
 #include "solvers/case/case.h"
 #include "solvers/case/fields.h"
+#include "solvers/case/round.h"
 #include "solvers/dict/family.h"
 #include "solvers/dict/params.h"
 #include "solvers/gas/layers.h"
@@ -488,6 +489,7 @@ void models_keywords(struct keywords *k) {
     go_through(k, SOLUTION, solution_param, COUNT(solution_param));
     keywords_at(k, SOLUTION, "limits", NULL);
     keywords_params(k, limits_param, COUNT(limits_param));
+    round_keywords(k);
     fields_keywords(k, FIELD_FILES, NULL);
     layers_keywords(k);
 }

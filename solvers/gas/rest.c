@@ -55,7 +55,7 @@ status rest_lay(const struct setup *s, const struct gas_models *models, struct g
     struct initial *i = NULL;
     status e = OK;
     *missing = false;
-    if (!s->grid->polyhedra || !source_falls(&models->source, s->dim)) return OK;
+    if (!s->grid->polyhedra || s->mesh->round.on || !source_falls(&models->source, s->dim)) return OK;
     TRY(comm_agree(s->comm, comm_root(s->comm) ? find_start(s, &at) : OK));
     comm_broadcast(s->comm, &at, sizeof at);
     *missing = !at.name[0];

@@ -17,6 +17,7 @@ static const struct param file_param[] = {
            "to which a mesh of surfaces or lines is extruded; forces in a plane are those on this depth"),
     NOTED("patches", "dictionary", "none", "a dictionary for each patch whose type its name does not say",
           "patches { floor { type wall; } }"),
+    IGNORED("axis", "for granularGas"),
 };
 static const struct param patch_param[] = {
     NOTED("type", "word: patch, wall, empty, symmetry, symmetryPlane, cyclic", NULL, "of the patch in the polyMesh",

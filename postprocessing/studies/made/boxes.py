@@ -167,7 +167,7 @@ def write_case(case, patches, rho, u, p, end, **options):
     o = {**STANDARD, **options}
     rules = {"scalar": [], "U": []}
     for name, kind in patches.items():
-        kind = kind if kind in ("empty", "cyclic") else "zeroGradient"
+        kind = kind if kind in ("empty", "cyclic", "symmetryPlane") else "zeroGradient"
         rules["scalar"].append(f"{name} {kind}")
         rules["U"].append(f"{name} {'slip' if name in o['slip'] else kind}")
     for name, values in (("rho", rho), ("p", p), ("U", u)):
