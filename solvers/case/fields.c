@@ -64,7 +64,7 @@ static const struct param rotation_param[] = {
     NOTED("axis", "vector (x y z)", "required with omega", "the axis, of any length: omega turns right-handed about it",
           "axis (0 1 0);"),
     NOTED("omega", "number in rad/s, table ((t v) (t v) ..), or \"expression of t\"", "none",
-          "of a wall that rotates, a surface of revolution, in place of its velocity", "omega 0.3;"),
+          "of a wall of gas that rotates, a surface of revolution, in place of its velocity", "omega 0.3;"),
 };
 static const struct {
     const char *type, *scalar, *vector; /* as a user writes it; examples */
@@ -127,8 +127,8 @@ static void boundary_word(struct keywords *k, const struct boundary_type *b) {
     k->only = NULL;
 }
 
-/* The parameters and values of a boundary condition; rotates: of walls that may rotate those of that, too. */
-static void boundary_keywords(struct keywords *k, const char *file, const struct boundary_type *b, bool rotates) {
+/* The parameters and values of a boundary condition. */
+static void boundary_keywords(struct keywords *k, const char *file, const struct boundary_type *b) {
     const char *scalar = boundary_value(b, 1), *value = scalar ? scalar : boundary_value(b, 3);
     char entry[80];
     keywords_at(k, file, PATCH_DICT, b->model.name);
@@ -137,8 +137,7 @@ static void boundary_keywords(struct keywords *k, const char *file, const struct
     if (b->giving == BY_RATE) keywords_params(k, rate_param, COUNT(rate_param));
     if (b->giving == BY_LIST && (value || b->velocity)) keywords_params(k, &varying_param[scalar ? 0 : 1], 1);
     if (strchr(file, ',')) k->only = "0.orig/U";
-    if (rotates && boundary_rotates(b))
-        keywords_params(k, rotation_param, COUNT(rotation_param) - (b->giving == BY_ROTATION));
+    if (boundary_rotates(b)) keywords_params(k, rotation_param, COUNT(rotation_param) - (b->giving == BY_ROTATION));
     k->only = NULL;
     if (!value) return;
     snprintf(entry, sizeof entry, "%s %s;", value, scalar ? forms[b->giving].scalar : forms[b->giving].vector);
@@ -157,9 +156,8 @@ void fields_keywords(struct keywords *k, const char *file, bool (*offered)(const
     for (int i = 0; i < boundary_count; i++)
         if (!offered || offered(&boundary_table[i])) boundary_word(k, &boundary_table[i]);
     keywords_params(k, type_param + 1, COUNT(type_param) - 1);
-    const bool rotates = !offered || offered(boundary_find("rotatingWallVelocity"));
     for (int i = 0; i < boundary_count; i++)
-        if (!offered || offered(&boundary_table[i])) boundary_keywords(k, file, &boundary_table[i], rotates);
+        if (!offered || offered(&boundary_table[i])) boundary_keywords(k, file, &boundary_table[i]);
 }
 
 bool field_exists(const char *path) {
