@@ -259,6 +259,9 @@ const struct boundary_type boundary_table[] = {
     {MODEL_WITH("translatingWallVelocity",
                 "the same, moving along itself: U (ux uy uz);  or  U table ((t (ux uy uz)) ..);", moving_param),
      HOLDS, .transport = true, .velocity = moving_velocity},
+    {MODEL("rotatingWallVelocity",
+           "the same, rotating along itself: origin, axis, omega (rad/s), a constant, table ((t v) ..) or \"..\" of t"),
+     HOLDS, .value = {NULL, "omega"}, .giving = BY_ROTATION, .transport = true, .velocity = velocity_given},
     {MODEL_WITH("frictionalSlip",
                 "wall that gas slips along, and packed gas rubs on: muWall, and U of a wall that moves along itself",
                 rubbing_param),
@@ -303,6 +306,10 @@ bool boundary_is_wall(const struct boundary_type *t) {
 
 bool boundary_is_smooth(const struct boundary_type *t) {
     return t && t->wall && !t->drag && !t->friction;
+}
+
+bool boundary_rotates(const struct boundary_type *t) {
+    return t && t->velocity && (t->friction || t->giving == BY_ROTATION);
 }
 
 bool boundary_takes(const struct boundary_type *t, int components) {

@@ -58,8 +58,9 @@ struct wall_line { /* n <= BATCH cells at a wall of a gas with transport */
 };
 
 /* How a case writes the values of a row: as OpenFOAM's lists and uniform values, as a function of time (a constant or
- * `table ((t v) ..)`), as expressions in OpenFOAM's grammar, or as the rate of a flow, a function of time. */
-enum giving { BY_LIST, BY_FUNCTION, BY_EXPRESSION, BY_RATE };
+ * `table ((t v) ..)`), as expressions in OpenFOAM's grammar, as the rate of a flow, a function of time, or as an
+ * angular velocity, a function or an expression of time. */
+enum giving { BY_LIST, BY_FUNCTION, BY_EXPRESSION, BY_RATE, BY_ROTATION };
 
 struct boundary_type {
     struct model model;   /* its parameters, numbers and vectors, fill the params of a rule */
@@ -92,6 +93,7 @@ const struct boundary_type *boundary_find(const char *name); /* NULL: there is n
 bool boundary_is_wall(const struct boundary_type *t);
 bool boundary_is_smooth(const struct boundary_type *t); /* is t a wall without friction? */
 bool boundary_gives(const struct boundary_type *t);     /* has t parameters or values? */
+bool boundary_rotates(const struct boundary_type *t);   /* may the wall be given an angular velocity? */
 /* Is t allowed for fields of so many components? Returns the keyword of their values; NULL: t needs none. */
 bool boundary_takes(const struct boundary_type *t, int components);
 const char *boundary_value(const struct boundary_type *t, int components);

@@ -21,6 +21,11 @@ struct varying {
     bool rate, wall;
     double *centre, *normal; /* [nfaces][3] m; unit, out of the domain */
     double area;             /* m^2 of the patch */
+    /* Of a wall that rotates, whose function or expression is its angular velocity: */
+    bool rotates;
+    double origin[3], axis[3]; /* m; as given, of any length */
+    double *lever;             /* [nfaces][3] m: the velocity of the wall at 1 rad/s */
+    double *size;              /* [nfaces] m: the root of the area */
 };
 
 /* The keyword of a wall's own velocity, a parameter; NULL: the type has none. */
@@ -29,18 +34,66 @@ static const char *wall_motion(const struct boundary_type *t) {
     return t->wall && t->velocity && m->nparam && m->param->kind == PARAM_VECTOR ? m->param->name : NULL;
 }
 
+/* Does the rule depend on x, y, z or t (0 .. 3)? */
+static bool uses(const struct varying *v, int variable) {
+    bool any = false;
+    for (int c = 0; c < v->components; c++) any |= v->expr[c] && expr_uses(v->expr[c], variable);
+    return any;
+}
+
+static double length(const double a[3]) {
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
 /* ---- reading ---- */
 
 static status take_geometry(struct varying *v, const struct polymesh *m, int patch) {
     const int nfaces = m->patch[patch].nfaces;
-    TRY(allocate(&v->centre, 6L * nfaces + 1, sizeof *v->centre, "faces of a patch"));
+    TRY(allocate(&v->centre, 10L * nfaces + 1, sizeof *v->centre, "faces of a patch"));
     v->normal = v->centre + 3L * nfaces;
+    v->lever = v->normal + 3L * nfaces;
+    v->size = v->lever + 3L * nfaces;
     for (int i = 0; i < nfaces; i++) {
         double A[3];
         polymesh_patch_face(m, patch, i, v->centre + 3L * i, A);
-        const double size = sqrt(A[0] * A[0] + A[1] * A[1] + A[2] * A[2]);
+        const double size = length(A);
         for (int k = 0; k < 3; k++) v->normal[3L * i + k] = A[k] / size;
+        v->size[i] = sqrt(size);
         v->area += size;
+    }
+    return OK;
+}
+
+/* Sets the velocity at face i of a wall that rotates at 1 rad/s; returns its component along the normal. */
+static double find_lever(const struct varying *v, long i, double *lever) {
+    const double *n = v->normal + 3 * i, size = length(v->axis);
+    double through = 0;
+    for (int k = 0; k < 3; k++) {
+        const int a = (k + 1) % 3, b = (k + 2) % 3;
+        const double *x = v->centre + 3 * i;
+        lever[k] = (v->axis[a] * (x[b] - v->origin[b]) - v->axis[b] * (x[a] - v->origin[a])) / size;
+    }
+    for (int k = 0; k < 3; k++) through += n[k] * lever[k];
+    return through;
+}
+
+/* Finds the velocities of a wall that rotates, at 1 rad/s. A surface of revolution rotates along itself, a mesh of it
+ * but for the size of its faces: a triangle on a cylinder of radius r is turned about the axis by less than its size
+ * over r, and what leads through it is left out. Sections of such a surface have no turn, because edges are chords. */
+static status find_levers(struct varying *v, bool section) {
+    for (long i = 0; i < v->nfaces; i++) {
+        const double *x = v->centre + 3 * i, *n = v->normal + 3 * i;
+        double *lever = v->lever + 3 * i;
+        const double through = find_lever(v, i, lever);
+        if (leads_along(3, lever, through)) continue;
+        if (section || fabs(through) > 0.5 * v->size[i])
+            return fail(ERR_INPUT,
+                        "%s:%d: patch %s: a wall that rotates about the axis (%g %g %g) through (%g %g %g) would push "
+                        "the gas at the face at (%g %g %g); it must be a surface of revolution about that axis: check "
+                        "origin and axis, or give what does not rotate a patch of its own",
+                        dict_path(v->dict), v->line, v->patch, v->axis[0], v->axis[1], v->axis[2], v->origin[0],
+                        v->origin[1], v->origin[2], x[0], x[1], x[2]);
+        for (int k = 0; k < 3; k++) lever[k] -= through * n[k];
     }
     return OK;
 }
@@ -88,9 +141,30 @@ static status read_function(struct varying *v) {
     return dict_function(v->dict, v->key, v->components, &v->knots, &v->table);
 }
 
+/* Reads the angular velocity, a function of time or an expression of t, and the axis. */
+static status read_rotation(struct varying *v) {
+    struct lexer l;
+    struct token t;
+    v->rotates = true;
+    v->line = dict_line(v->dict, v->key);
+    TRY(dict_vector(v->dict, "origin", (const signed char[3]){0, 1, 0}, v->origin));
+    TRY(dict_vector(v->dict, "axis", (const signed char[3]){0, 0, 0}, v->axis));
+    if (length(v->axis) == 0) return dict_fail(v->dict, "axis", "a direction has a length");
+    if (dict_has(v->dict, "expression"))
+        return dict_fail(v->dict, "expression", "%s says how the wall moves; remove one of the two", v->key);
+    TRY(dict_raw(v->dict, v->key, &l));
+    TRY(lexer_next(&l, &t));
+    v->width = 2;
+    if (t.kind != TOKEN_STRING) return dict_function(v->dict, v->key, 1, &v->knots, &v->table);
+    TRY(dict_words(v->dict, v->key, &v->ntexts, &v->text));
+    TRY(compile_one(v, v->text[0], 0, false));
+    return uses(v, 0) || uses(v, 1) || uses(v, 2) ? dict_fail(v->dict, v->key, "it may depend on t alone") : OK;
+}
+
 /* Reads the entry at v->key, which the type's row says how to read. */
 static status read_entry(struct varying *v, const struct boundary_type *type) {
     const bool expression = !strcmp(v->key, "expression");
+    if (!strcmp(v->key, "omega")) return read_rotation(v);
     if (type->giving == BY_RATE) TRY(read_rate(v));
     v->line = dict_line(v->dict, v->key);
     if (expression || type->giving == BY_EXPRESSION) return read_expressions(v, !expression);
@@ -113,7 +187,9 @@ static status find_table(struct dict *d, const char *key, bool *is_table) {
 static status find_key(struct dict *d, int components, const struct boundary_type *type, const char **key) {
     const char *value = boundary_value(type, components), *motion = components == 3 ? wall_motion(type) : NULL;
     bool table = false;
-    *key = type->giving != BY_LIST ? value : NULL;
+    *key = type->giving != BY_LIST                                             ? value
+           : components == 3 && boundary_rotates(type) && dict_has(d, "omega") ? "omega"
+                                                                               : NULL;
     if (*key || (!value && !motion)) return OK;
     if (motion && !value) TRY(find_table(d, motion, &table));
     if (table && dict_has(d, "expression"))
@@ -138,6 +214,7 @@ status varying_read(struct dict *d, int components, const struct boundary_type *
                           .wall = type->wall};
     status s = read_entry(v, type);
     if (!s) s = take_geometry(v, m, patch);
+    if (!s && v->rotates) s = find_levers(v, polymesh_axes(m, (int[3]){0}) < 3);
     if (s)
         varying_free(v);
     else
@@ -154,23 +231,19 @@ void varying_free(struct varying *v) {
 
 /* ---- questions ---- */
 
-static bool uses(const struct varying *v, int variable) {
-    bool any = false;
-    for (int c = 0; c < v->components; c++) any |= v->expr[c] && expr_uses(v->expr[c], variable);
-    return any;
-}
-
 bool varying_in_time(const struct varying *v) {
     return v->text ? uses(v, 3) : v->knots > 1;
 }
 
 bool varying_in_space(const struct varying *v) {
-    return v->rate || uses(v, 0) || uses(v, 1) || uses(v, 2);
+    return v->rate || v->rotates || uses(v, 0) || uses(v, 1) || uses(v, 2);
 }
 
 bool varying_leads(const struct varying *v, int x) {
     bool any = false;
     if (v->rate) return false; /* it leads along the normals, which the mesh has */
+    for (long i = 0; i < v->nfaces && v->rotates; i++) any |= v->lever[3 * i + x] != 0;
+    if (v->rotates) return any;
     if (v->text) {
         for (int i = 0; i < 4; i++) any |= expr_uses(v->expr[x], i);
         return any || expr_value(v->expr[x], 0, 0, 0, 0) != 0;
@@ -181,6 +254,7 @@ bool varying_leads(const struct varying *v, int x) {
 
 bool varying_alike(const struct varying *v, long a, long b) {
     if (v->rate) return !memcmp(v->normal + 3 * a, v->normal + 3 * b, 3 * sizeof *v->normal);
+    if (v->rotates) return !memcmp(v->lever + 3 * a, v->lever + 3 * b, 3 * sizeof *v->lever);
     for (int k = 0; k < 3; k++)
         if (uses(v, k) && v->centre[3 * a + k] != v->centre[3 * b + k]) return false;
     return true;
@@ -240,9 +314,23 @@ static void look_up(const struct varying *v, double t, double *out) {
     for (int c = 1; c < v->width; c++) out[c - 1] = between ? row[c] + part * (row[v->width + c] - row[c]) : row[c];
 }
 
+/* The velocities of a wall that rotates. */
+static void rotate(const struct varying *v, double t, double *out) {
+    double omega;
+    if (v->text)
+        omega = expr_value(v->expr[0], 0, 0, 0, t);
+    else
+        look_up(v, t, &omega);
+    for (long i = 0; i < 3L * v->nfaces; i++) out[i] = omega * v->lever[i];
+}
+
 void varying_at(const struct varying *v, double t, double *out) {
     const int n = varying_in_space(v) ? v->nfaces : 1;
     double row[3];
+    if (v->rotates) {
+        rotate(v, t, out);
+        return;
+    }
     if (!v->text) look_up(v, t, v->rate ? row : out);
     for (long i = 0; i < n && v->text; i++)
         for (int c = 0; c < v->components; c++) {
@@ -303,8 +391,18 @@ static void print_item(struct sink *s, int n, const double *value) {
         sink_printf(s, "%.17g", value[0]);
 }
 
+static void print_vector(struct sink *s, const char *key, const double *value) {
+    sink_printf(s, "        %-15s ", key);
+    print_item(s, 3, value);
+    sink_printf(s, ";\n");
+}
+
 void varying_print(struct sink *s, const struct varying *v) {
     const bool table = v->knots > 1;
+    if (v->rotates) {
+        print_vector(s, "origin", v->origin);
+        print_vector(s, "axis", v->axis);
+    }
     sink_printf(s, "        %-15s %s", v->key, v->text ? v->ntexts > 1 ? "(" : "" : table ? "table (" : "constant ");
     for (int i = 0; i < v->ntexts; i++) sink_printf(s, "%s\"%s\"", i ? " " : "", v->text[i]);
     for (int i = 0; i < v->knots; i++) {

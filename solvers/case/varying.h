@@ -4,6 +4,8 @@
  *
  *     fixedValue inletOutlet JohnsonJacksonSlip   expression "..", of a vector ("..", "..", ".."), beside their values
  *     translatingWallVelocity                     the same beside U; or U is  table ((t (ux uy uz)) ..)
+ *     rotatingWallVelocity                        omega (rad/s), a function of time or an expression of t, with origin
+ *                                                 and axis; so may JohnsonJacksonSlip and frictionalSlip, in U
  *     uniformFixedValue uniformInletOutlet        a constant or  table ((t v) ..), linear in between, constant outside
  *     exprFixedValue                              valueExpr "..", in OpenFOAM's grammar (solvers/dict/expr.h)
  *     flowRateInletVelocity                       massFlowRate (kg/s) or volumetricFlowRate (m^3/s), >= 0, as a

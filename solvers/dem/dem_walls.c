@@ -62,6 +62,11 @@ static struct wall_plane plane_of(const struct grains_models *m, const struct bo
 static status take_velocity(const struct setup *s, const struct field *U, struct wall_plane *p) {
     const struct patch_field *q = &U->patch[p->patch];
     int moving = 0;
+    if (q->varying && !strcmp(varying_key(q->varying), "omega"))
+        return fail(ERR_INPUT,
+                    "%s:%d: patch %s: walls of granularDEM do not rotate: give  noSlip;  (a wall at rest) or run "
+                    "granularGas",
+                    dict_path(U->dict), q->line, s->mesh->patch[p->patch].name);
     if (strcmp(q->type, "translatingWallVelocity") != 0) return OK;
     for (int k = 0; k < 3; k++) {
         p->velocity[k] = q->params.room[axis_of(s, k)];

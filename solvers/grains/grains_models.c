@@ -205,9 +205,9 @@ static bool is_offered(const struct boundary_type *b) {
     return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient") || !strcmp(b->model.name, "granularWall");
 }
 
-/* The same for soft grains, whose walls may be rough. */
+/* The same for soft grains, whose walls may be rough, but do not rotate. */
 static bool is_offered_soft(const struct boundary_type *b) {
-    return boundary_is_wall(b) || is_offered(b);
+    return (boundary_is_wall(b) && b->giving != BY_ROTATION) || is_offered(b);
 }
 
 static void keywords(struct keywords *k, bool soft) {

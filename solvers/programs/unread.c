@@ -98,7 +98,8 @@ static const struct {
     {"fvModels", "what acts on the gas stands in `sources` of constant/granularProperties"},
     {"fvConstraints", "bounds stand in `limits` of system/fvSolution"},
     {"dynamicMeshDict", "the mesh does not move; a shaken plate is constant/shaking"},
-    {"MRFProperties", "frames do not rotate here; a wall that moves along itself is translatingWallVelocity"},
+    {"MRFProperties",
+     "frames do not rotate here; a wall that moves along itself is translatingWallVelocity or rotatingWallVelocity"},
     {"setFieldsDict", "setFields works on the folder 0, and this run starts from " TIME_ORIGINAL
                       ": put `expression` into its fields, or take the folder 0 in its place"},
 };

@@ -162,6 +162,15 @@ static void moving_walls(void **state) {
     r.velocity.values = values[0];
     wall_velocity(&r, 3, 2, w);
     assert_true(w[0] == 7 && w[1] == 8 && w[2] == 9);
+    r.velocity.type = boundary_find("rotatingWallVelocity"); /* has values alone */
+    wall_velocity(&r, 3, 3, w);
+    assert_true(w[0] == 10 && w[1] == 11 && w[2] == 12 && wall_holds(&r) && wall_works(&r) && !rule_holds(&r.velocity));
+    for (int k = 0; k < boundary_count; k++) {
+        const char *name = boundary_table[k].model.name;
+        assert_true(boundary_rotates(&boundary_table[k]) ==
+                    (!strcmp(name, "rotatingWallVelocity") || !strcmp(name, "frictionalSlip") ||
+                     !strcmp(name, "JohnsonJacksonSlip")));
+    }
 }
 
 static void values_per_face(void **state) {
@@ -175,7 +184,7 @@ static void values_per_face(void **state) {
 
 static void names(void **state) {
     (void)state;
-    assert_int_equal(boundary_count, 15); /* a new row needs its test here */
+    assert_int_equal(boundary_count, 16); /* a new row needs its test here */
     for (int k = 0; k < boundary_count; k++) {
         assert_ptr_equal(boundary_find(boundary_table[k].model.name), &boundary_table[k]);
         assert_true(boundary_table[k].scalar || boundary_table[k].vector);
