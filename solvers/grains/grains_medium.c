@@ -75,11 +75,7 @@ static status medium_read(struct setup *s) {
                     "side by side",
                     comm_size(s->comm));
     TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, false, &x->models));
-    const struct grains_models *m = x->models;
-    s->file[s->nfiles++] = (struct setup_file){"constant", "granularProperties", m->granular};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "particleProperties", m->properties};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "g", m->forces.g};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "shaking", m->forces.shaking};
+    grains_files(s, x->models);
     return OK;
 }
 
@@ -276,27 +272,13 @@ static status place(struct grains_run *x) {
     return OK;
 }
 
-/* Makes the averages, with the sums of the saved state if these are of the same cells, kernel and windows. */
 static status make_averages(struct grains_run *x) {
     const struct grains_models *m = x->models;
-    const struct grains_state *s = &x->saved;
     const struct coarse_grid grid = grid_of(x);
-    double numbers[16];
-    long n;
-    TRY(status_note(
-        averages_make(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains), &x->averages),
-        "%s: coarseGraining", m->properties ? dict_path(m->properties) : "constant/particleProperties"));
-    struct averages_mark *mark = averages_mark(x->averages);
-    grains_state_grid(&grid, numbers);
-    (void)averages_sums(x->averages, 0, &n);
-    if (!s->n || x->changed || n != s->nsums || memcmp(numbers, s->grid, sizeof numbers) != 0 ||
-        s->mark.window != mark->window || s->mark.samples != mark->samples)
-        return OK;
-    x->kept = true;
-    *mark = s->mark;
-    for (int k = 0; k < 2; k++)
-        memcpy(averages_sums(x->averages, k, &n), s->sums[k], (size_t)s->nsums * sizeof(double));
-    return OK;
+    const bool goes_on = x->saved.n && !x->changed;
+    return status_note(averages_resume(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains),
+                                       goes_on ? &x->saved.averages : NULL, &x->averages, &x->kept),
+                       "%s: coarseGraining", m->properties ? dict_path(m->properties) : "constant/particleProperties");
 }
 
 static status make_values(struct grains_run *x) {
@@ -611,7 +593,6 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
 static status medium_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
     const struct grains_run *x = of(m);
     const struct grains *g = x->grains;
-    const struct coarse_grid grid = grid_of(x);
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct grains_state s = {.box = x->box,
                              .law = x->law,
@@ -622,12 +603,10 @@ static status medium_save(const struct medium *m, const char *folder, const char
                              .grain = (struct grain *)(uintptr_t)grains_all(g),
                              .event = (struct grain_event *)(uintptr_t)grains_events(g),
                              .id = (int32_t *)(uintptr_t)grains_ids(g),
-                             .mark = *averages_mark(x->averages),
                              .impulse = (double(*)[3])(uintptr_t)grains_impulses(g)};
     struct file_sum sum;
     grains_state_walls(&x->box, s.walls);
-    for (int k = 0; k < 2; k++) s.sums[k] = averages_sums(x->averages, k, &s.nsums);
-    grains_state_grid(&grid, s.grid);
+    averages_save(x->averages, &s.averages);
     snprintf(path, sizeof path, "%s/uniform/grains", folder);
     snprintf(where, sizeof where, "%s/uniform", location);
     TRY(grains_state_write(&s, path, where, m->setup->control->format.compress, &sum));

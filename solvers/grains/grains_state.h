@@ -7,6 +7,7 @@
 
 #include "mesh/base/pool.h"
 #include "mesh/format/foamfile.h"
+#include "solvers/grains/bytes.h"
 #include "solvers/grains/grains_averages.h"
 
 struct grains_state {
@@ -22,10 +23,7 @@ struct grains_state {
     int32_t *id;               /* [n] */
     double walls[3];           /* of grains_state_walls */
     double (*impulse)[3];      /* [walls[0]] of grains_impulses */
-    struct averages_mark mark;
-    double grid[16]; /* struct coarse_grid of the sums, as numbers */
-    long nsums;
-    double *sums[2];  /* [nsums]: running window, last complete one */
+    struct averages_saved averages;
     struct pool pool; /* has the lists of a state that was read */
 };
 /* Turns walls of facets into numbers: how many (twice with open ones), checksums of their shape and of their
@@ -33,9 +31,10 @@ struct grains_state {
 void grains_state_walls(const struct grain_box *b, double out[3]);
 /* Were the events predicted under this box and law? */
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law);
-/* Turns a grid into numbers, so that two grids can be compared. */
-void grains_state_grid(const struct coarse_grid *g, double out[16]);
 
+/* Opens a file of a state and hands the bytes behind its header and `(` to `parse`. */
+typedef status state_parser(const struct source *source, struct bytes *b, void *out);
+status state_read(const char *path, state_parser *parse, void *out);
 /* Writes the state to `path`; *sum gets size and checksum of the file. */
 status grains_state_write(const struct grains_state *s, const char *path, const char *location, bool compress,
                           struct file_sum *sum);
