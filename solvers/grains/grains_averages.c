@@ -54,6 +54,13 @@ status averages_make(const struct coarse_grid *grid, double window, int samples,
     if (window > 0) begin(&a->mark, t);
     TRY(coarse_make(grid, &a->sum[0]));
     TRY(coarse_make(grid, &a->sum[1]));
+    return averages_room(a, grains);
+}
+
+status averages_room(struct averages *a, int grains) {
+    free(a->x);
+    free(a->u);
+    a->x = a->u = NULL;
     TRY(allocate(&a->x, grains, sizeof *a->x, "averages"));
     return allocate(&a->u, grains, sizeof *a->u, "averages");
 }

@@ -35,7 +35,7 @@ void grains_state_walls(const struct grain_box *b, double out[3]) {
     if (!b->facets) return;
     const size_t bytes = (size_t)b->facets->space.walls * sizeof(double);
     for (size_t i = 0; i < bytes; i++) sum = (sum ^ ((const unsigned char *)b->wall_restitution)[i]) * 16777619u;
-    out[0] = (b->facets->opens ? 2. : 1.) * b->facets->space.walls;
+    out[0] = (b->fed ? 3. : b->facets->opens ? 2. : 1.) * b->facets->space.walls;
     out[1] = (double)b->facets->sum;
     out[2] = sum;
 }
@@ -116,6 +116,7 @@ status grains_state_write(const struct grains_state *s, const char *path, const 
     sink_write(o, s->id, n * sizeof *s->id);
     for (int k = 0; k < 2; k++) sink_write(o, s->averages.sums[k], (size_t)s->averages.nsums * sizeof(double));
     if (s->walls[0] > 0) sink_write(o, s->impulse, (size_t)s->walls[0] * sizeof *s->impulse);
+    if (s->fed) sink_write(o, &s->inflow, sizeof s->inflow);
     sink_printf(o, ")\n");
     return sink_close_sum(o, sum);
 }
@@ -139,7 +140,8 @@ static bool take_lists(struct bytes *b, struct grains_state *s) {
     return bytes_take(b, s->grain, n * sizeof *s->grain) && bytes_take(b, s->event, n * sizeof *s->event) &&
            bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->averages.sums[0], sums) &&
            bytes_take(b, s->averages.sums[1], sums) && (walls == 0 || bytes_take(b, s->impulse, walls)) &&
-           b->left == 2 && !memcmp(b->at, ")\n", 2);
+           (!(s->fed = b->left > 2) || bytes_take(b, &s->inflow, sizeof s->inflow)) && b->left == 2 &&
+           !memcmp(b->at, ")\n", 2);
 }
 
 static status allocate_lists(struct grains_state *s) {
@@ -160,6 +162,7 @@ static bool sound(const struct grains_state *s) {
         if (ok) seen[s->id[i]] = 1;
     }
     free(seen);
+    if (s->fed) ok = ok && s->inflow.next >= s->t && s->inflow.renewed <= s->t;
     return ok && averages_sound(&s->averages);
 }
 
