@@ -13,6 +13,7 @@ void grains_free(struct grains *g) {
     free(g->id);
     free(g->order);
     free(g->list);
+    free(g->vacant);
     for (int k = 0; k < 3; k++) free(g->cells.row[k]);
     free(g->cells.slot);
     free(g->cells.next);
@@ -81,7 +82,7 @@ static status check_number(const struct grain_box *box, const struct grain_law *
     double volume = grains_volume(box), grain = box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d,
            most = box->dim == 2 ? 0.9069 : 0.7405;
     if (n < 1) return fail(ERR_INPUT, "there are no grains; at least one is needed");
-    if (n * grain > most * volume)
+    if (!box->fed && n * grain > most * volume)
         return fail(ERR_INPUT,
                     "%d grains would fill %.4f of the box; %.4f is the densest of all packings (at most %.0f grains)",
                     n, n * grain / volume, most, floor(most * volume / grain));
@@ -109,7 +110,7 @@ static void set_scales(struct grains *g) {
     g->gentle = 1e-7 * sqrt(all * g->law.diameter);
 }
 
-static status make_empty(const struct grain_box *box, const struct grain_law *law, int n, double t,
+status grains_make_empty(const struct grain_box *box, const struct grain_law *law, int n, double t,
                          struct grains **out) {
     struct grains *g;
     TRY(check_box(box, law));
@@ -131,6 +132,7 @@ static status make_empty(const struct grain_box *box, const struct grain_law *la
     TRY(calendar_make(n, &g->queue));
     g->opens = box->facets && box->facets->opens && !box->shut;
     if (grains_rows(box) > 0) TRY(allocate(&g->impulse, grains_rows(box), sizeof *g->impulse, "walls"));
+    if (box->fed) TRY(grains_vacant_make(g));
     return grains_cells_make(g);
 }
 
@@ -204,7 +206,7 @@ static status check_facets(const struct grains *g, int i, const double x[3]) {
 status grains_make(const struct grain_box *box, const struct grain_law *law, int n, const double (*x)[3],
                    const double (*u)[3], double t, struct grains **out) {
     struct grains *g = NULL;
-    status s = make_empty(box, law, n, t, &g);
+    status s = grains_make_empty(box, law, n, t, &g);
     for (int i = 0; i < n && !s; i++) s = place(g, i, x[i], u[i]);
     for (int i = 0; i < n && !s; i++) s = check_overlap(g, i);
     for (int i = 0; i < n && !s && box->facets; i++) s = check_facets(g, i, x[i]);
@@ -267,6 +269,7 @@ static status resume(struct grains *g, const struct grain_save *save) {
     TRY(check_ids(g));
     for (int i = 0; i < g->n; i++) TRY(check_saved(g, i));
     grains_cells_fill(g);
+    grains_vacant_find(g);
     schedule_all(g);
     return OK;
 }
@@ -274,7 +277,7 @@ static status resume(struct grains *g, const struct grain_save *save) {
 status grains_resume(const struct grain_box *box, const struct grain_law *law, const struct grain_save *save,
                      struct grains **out) {
     struct grains *g = NULL;
-    status s = make_empty(box, law, save->n, save->t, &g);
+    status s = grains_make_empty(box, law, save->n, save->t, &g);
     if (!s) s = resume(g, save);
     if (s) {
         grains_free(g);

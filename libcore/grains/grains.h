@@ -42,6 +42,7 @@ struct grain_box {
     const struct facets *facets;
     const double *wall_restitution; /* [walls of facets]; NULL: 1 */
     bool shut;                      /* facets that are open are walls all the same */
+    bool fed;                       /* may grains come in through open facets, by grains_enter? */
 };
 struct grain_law {
     double diameter; /* m, at time 0 */
@@ -106,6 +107,18 @@ status grains_resume(const struct grain_box *box, const struct grain_law *law, c
                      struct grains **out);
 void grains_free(struct grains *g);
 
+/* In a box that is fed numbers stand ready for grains that come in: those of grains that have left, and more by
+ * grains_grow, which makes the grains anew with numbers for n of them. */
+status grains_grow(struct grains **g, int n);
+bool grains_is_full(const struct grains *g); /* are all numbers in use? */
+/* Lets a grain come in through an open wall at x (m) with velocity u (m/s, relative to the box), at the time reached.
+ * Returns false and changes nothing where another grain or a closed wall is too near, or all numbers are in use. */
+bool grains_enter(struct grains *g, const double x[3], const double u[3], int wall);
+/* Returns the index of the grain that covers the point x (m) at the time reached, with its place and velocity relative
+ * to the box; -1: none does. grains_push adds du (m/s) to its velocity, on behalf of grains beyond an open wall. */
+int grains_covering(const struct grains *g, const double x[3], double at[3], double u[3]);
+void grains_push(struct grains *g, int i, const double du[3], int wall);
+
 /* Works off all events up to `until`, but no more than `most` of them; returns the time reached: `until`, or that of
  * the last event (until = HUGE_VAL: also when nothing will ever happen). observer may be NULL. */
 double grains_advance(struct grains *g, double until, int64_t most, struct grain_observer *observer);
@@ -124,7 +137,8 @@ const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number 
 const struct grain_counts *grains_counted(const struct grains *g);
 /* Grains that have left through open facets: how many of the n are still there; row w of grains_impulses has the
  * momentum that left through wall w, row walls + w the number of the grains, their kinetic and their potential energy
- * (J). */
+ * (J). In a box that is fed row 2 walls + w has the same of grains that came in or were pushed; what momentum these got
+ * is taken off row w. */
 int grains_present(const struct grains *g);
 double grains_work(const struct grains *g); /* J: that the ends of a sheared box have done */
 /* Kinetic energy (J) of the motion relative to the mean flow, shear * (x_1 - the middle) along axis 0 in a sheared box,

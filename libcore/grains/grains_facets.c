@@ -82,6 +82,7 @@ void grains_depart(struct grains *g, int i, int partner) {
     grains_cell_leave(g, i);
     g->grain[i].impact = HUGE_VAL;
     g->event[i].partner = GONE;
+    if (g->vacant) g->vacant[i / 64] |= (uint64_t)1 << i % 64;
     g->event[i].changes++;
     calendar_move(g->queue, i, HUGE_VAL);
 }

@@ -64,4 +64,5 @@ void grains_sort(struct grains *g) {
         if (g->event[i].partner >= 0) g->event[i].partner = place[g->event[i].partner];
     permute(g, g->order);
     grains_cells_fill(g);
+    grains_vacant_find(g);
 }

@@ -252,10 +252,11 @@ int grains_exit(const struct grains *g, int i) {
 
 void grains_predict_all(struct grains *g) {
     for (int i = 0; i < g->n; i++) {
-        forget(g, i);
+        if (!is_gone(g, i)) forget(g, i);
         calendar_set(g->queue, i, HUGE_VAL);
     }
     calendar_start(g->queue, g->time);
-    for (int i = 0; i < g->n; i++) grains_predict(g, i, g->time);
+    for (int i = 0; i < g->n; i++)
+        if (!is_gone(g, i)) grains_predict(g, i, g->time);
     calendar_start(g->queue, g->time);
 }

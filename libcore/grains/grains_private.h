@@ -65,6 +65,7 @@ struct grains {
     double pull_all;           /* the length of that vector */
     bool swings;               /* the box is shaken */
     bool opens;                /* grains can leave through facets */
+    uint64_t *vacant;          /* [n/64 + 1] bits of the indices whose grains have left; NULL: the box is not fed */
 };
 
 struct swing { /* displacement (m) and velocity (m/s) of the box along one axis */
@@ -75,7 +76,7 @@ double grains_phase_cos(double x, double *sine);
 struct swing grains_swing(const struct grain_box *box, int axis, double t);
 /* The rows of `impulse`. */
 static inline long grains_rows(const struct grain_box *b) {
-    return b->facets ? (b->facets->opens ? 2L : 1L) * b->facets->space.walls : b->shear != 0;
+    return b->facets ? (b->fed ? 3L : b->facets->opens ? 2L : 1L) * b->facets->space.walls : b->shear != 0;
 }
 static inline double grains_diameter(const struct grains *g, double t) {
     return g->law.diameter + g->law.growth * (t - g->start);
@@ -108,6 +109,14 @@ static inline double nearest(const struct grains *g, int k, double r) {
     r -= r > g->half[k] ? g->period[k] : 0;
     return r + (r < -g->half[k] ? g->period[k] : 0);
 }
+
+/* grains.c: grains without places, of a law and box that are checked; the caller frees them, also after an error. */
+status grains_make_empty(const struct grain_box *box, const struct grain_law *law, int n, double t,
+                         struct grains **out);
+
+/* grains_enter.c: the list of vacant indices, of a box that is fed. */
+status grains_vacant_make(struct grains *g);
+void grains_vacant_find(struct grains *g); /* after indices have changed */
 
 /* grains_cells.c */
 status grains_cells_make(struct grains *g);

@@ -55,3 +55,27 @@ double random_normal(struct random *r) {
     r->spare = b * scale;
     return a * scale;
 }
+
+double random_waiting(struct random *r) {
+    return -logarithm(1 - random_uniform(r));
+}
+
+/* The most frequent of those speeds; its two forms lose no digits. */
+static double most_frequent(double u, double sigma) {
+    const double root = sqrt(u * u + 4 * sigma * sigma);
+    return u > 0 ? 0.5 * (u + root) : 2 * sigma * sigma / (root - u);
+}
+
+double random_inflow_rate(double u, double sigma) {
+    if (!(sigma > 0)) return fmax(u, 0);
+    const double w = most_frequent(u, sigma), y = (w - u) / sigma;
+    return y < 35 ? w * exponential(-0.5 * y * y) : 0;
+}
+
+bool random_inflow(struct random *r, double u, double sigma, double *v) {
+    *v = u;
+    if (!(sigma > 0)) return u > 0;
+    const double w = most_frequent(u, sigma), s = 1 + sigma / w * random_normal(r), chance = random_uniform(r);
+    *v = s * w;
+    return s > 0 && s < 600 && chance < s * exponential(1 - s);
+}

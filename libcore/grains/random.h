@@ -4,6 +4,7 @@
 #ifndef LIBCORE_RANDOM_H
 #define LIBCORE_RANDOM_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct random {
@@ -13,5 +14,14 @@ struct random {
 struct random random_make(uint64_t seed, uint64_t stream); /* streams of a seed are independent */
 double random_uniform(struct random *r);                   /* [0, 1), 53 bits */
 double random_normal(struct random *r);                    /* mean 0, variance 1 */
+double random_waiting(struct random *r);                   /* exponential, mean 1 */
+
+/* The speeds v > 0 at which the grains of a Maxwellian gas of mean u and deviation sigma (m/s) along a line pass a
+ * point of it: n v exp(-(v - u)^2/(2 sigma^2))/(sqrt(2 pi) sigma) dv of them per time and area. With w = (u + sqrt(u^2
+ * + 4 sigma^2))/2, where that is greatest, n random_inflow_rate times a normal density about w is nowhere less, for the
+ * logarithm bends down by at least 1/sigma^2: candidates come at that rate, and random_inflow accepts each or not.
+ * docs/physics.md 10.6; Garcia & Wagner, J. Comput. Phys. 217 (2006) 693 have other envelopes for inlets. */
+double random_inflow_rate(double u, double sigma);                       /* m/s */
+bool random_inflow(struct random *r, double u, double sigma, double *v); /* is the candidate accepted? its speed */
 
 #endif

@@ -7,12 +7,11 @@
 
 /* Writes the commands up to the first run to *out, which the caller frees: from a data file, or from a restart file. */
 status dem_deck(const struct dem_law *law, const char *data, const char *restart, char **out);
+/* Columns of its dumps `grains`, `walls` and `contacts`. Of grains: number, place, velocity, spin. Of grains that touch
+ * a wall: number; per wall: is there a contact, and its force. Of contacts: the two numbers, the force along the
+ * normal, the one along the tangent. Without walls there is no dump of them. */
+enum { DEM_COLUMNS = 10, DEM_WALL_COLUMNS = 4, DEM_CONTACT_COLUMNS = 8 };
 /* Writes a data file of the grains. */
 status dem_deck_data(const struct dem_law *law, const struct dem_moment *grains, const char *path);
-enum { DEM_COLUMNS = 10, DEM_WALL_COLUMNS = 4, DEM_CONTACT_COLUMNS = 8 };
-/* Columns of the dumps: number, place, velocity, spin; per wall: is there a contact, and its force. Of contacts: the
- * two numbers, the force along the normal, the one along the tangent. */
-void dem_deck_columns(const struct dem_walls *walls, char *out, size_t size);
-extern const char dem_deck_contacts[];
 
 #endif

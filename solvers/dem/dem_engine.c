@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = DEM_COLUMNS + DEM_WALL_COLUMNS * DEM_MOST_WALLS, TEXT = 4096 };
+enum { WALL_ROW = 1 + DEM_WALL_COLUMNS * DEM_MOST_WALLS, TEXT = 4096 };
 struct dem_engine {
     struct dem_law law;
     struct lammps *lammps;
@@ -20,7 +20,6 @@ struct dem_engine {
     char folder[TEXT];
     int nold;
     int *index; /* [nold + 1] of a number; -1: the grain has left */
-    char *columns;
 };
 
 status dem_moment_make(int n, struct dem_moment *out) {
@@ -72,8 +71,6 @@ static status fill(struct dem_engine *e, int ranks, const char *folder, const st
     snprintf(data, sizeof data, "%s/grains.data", folder);
     e->nold = nold;
     TRY(allocate(&e->index, nold + 1, sizeof(int), "grains"));
-    TRY(allocate(&e->columns, TEXT, 1, "grains"));
-    dem_deck_columns(law->walls, e->columns, TEXT);
     TRY(lammps_start(ranks, &e->lammps));
     if (start) TRY(dem_deck_data(law, start, data));
     return send_deck(e, data, restart, true);
@@ -91,7 +88,6 @@ void dem_engine_free(struct dem_engine *e) {
     if (!e) return;
     lammps_free(e->lammps);
     free(e->index);
-    free(e->columns);
     free(e);
 }
 
@@ -167,32 +163,47 @@ static void split(struct dem_contact *c, double touch, const double *force) {
     }
 }
 
-static status take_walls(struct dem_engine *e, const double *row, int i, struct dem_moment *m) {
+static status take_wall_row(struct dem_engine *e, const double *row, struct dem_moment *m) {
     const struct dem_walls *w = e->law.walls;
-    for (int j = 0; j < w->n; j++, row += DEM_WALL_COLUMNS) {
+    const int i = row[0] >= 1 && row[0] <= e->nold ? e->index[(int)row[0]] : -1;
+    if (i < 0) return fail(ERR_SYSTEM, "LAMMPS has a contact of grain %g with a wall", row[0]);
+    for (int j = 0; j < w->n; j++) {
+        const double *force = row + 1 + (long)DEM_WALL_COLUMNS * j;
         struct dem_contact *c = NULL;
         double near[3];
-        if (row[0] == 0) continue;
+        if (force[0] == 0) continue;
         dem_wall_nearest(w, j, m->x[i], near);
         TRY(next_contact(m, &c));
         *c = (struct dem_contact){.a = i, .b = -1 - j};
         for (int k = 0; k < w->dim; k++) c->branch[k] = m->x[i][k] - near[k];
-        split(c, 0.5 * e->law.diameter, row + 1);
+        split(c, 0.5 * e->law.diameter, force + 1);
         if (c->overlap <= 0) m->ncontacts--;
     }
     return OK;
 }
 
-static status take_grains(struct dem_engine *e, struct dem_moment *m) {
-    double row[COLUMNS];
+/* Takes the grains that touch a wall, which are few: their rows are long. */
+static status take_walls(struct dem_engine *e, struct dem_moment *m) {
+    double row[WALL_ROW];
     long n;
-    lammps_send(e->lammps, "write_dump all custom /dev/stdout %s modify format float %%.17g sort id", e->columns);
+    if (!e->law.walls->n) return OK;
+    TRY(lammps_dump(e->lammps, &n));
+    for (long i = 0; i < n; i++) {
+        TRY(lammps_row(e->lammps, 1 + DEM_WALL_COLUMNS * e->law.walls->n, row));
+        TRY(take_wall_row(e, row, m));
+    }
+    return OK;
+}
+
+static status take_grains(struct dem_engine *e, struct dem_moment *m) {
+    double row[DEM_COLUMNS];
+    long n;
     TRY(lammps_dump(e->lammps, &n));
     if (n > m->nold) return fail(ERR_SYSTEM, "LAMMPS has %ld grains, more than the %d of the start", n, m->nold);
     for (int i = 0; i <= e->nold; i++) e->index[i] = -1;
     m->n = (int)n;
     for (int i = 0; i < n; i++) {
-        TRY(lammps_row(e->lammps, DEM_COLUMNS + DEM_WALL_COLUMNS * e->law.walls->n, row));
+        TRY(lammps_row(e->lammps, DEM_COLUMNS, row));
         m->id[i] = (int)row[0];
         if (m->id[i] < 1 || m->id[i] > e->nold) return fail(ERR_SYSTEM, "LAMMPS has a grain of number %d", m->id[i]);
         e->index[m->id[i]] = i;
@@ -202,7 +213,6 @@ static status take_grains(struct dem_engine *e, struct dem_moment *m) {
             m->spin[i][k] = row[7 + k];
         }
         wrap(e->law.walls, m->x[i]);
-        TRY(take_walls(e, row + DEM_COLUMNS, i, m));
     }
     return OK;
 }
@@ -228,7 +238,6 @@ static status take_contact(struct dem_engine *e, const double row[DEM_CONTACT_CO
 static status take_contacts(struct dem_engine *e, struct dem_moment *m) {
     double row[DEM_CONTACT_COLUMNS];
     long n;
-    lammps_send(e->lammps, "write_dump all local /dev/stdout %s modify format float %%.17g", dem_deck_contacts);
     TRY(lammps_dump(e->lammps, &n));
     for (long i = 0; i < n; i++) {
         TRY(lammps_row(e->lammps, DEM_CONTACT_COLUMNS, row));
@@ -239,9 +248,20 @@ static status take_contacts(struct dem_engine *e, struct dem_moment *m) {
     return OK;
 }
 
+/* Lets the dumps write at each step, or never. */
+static void set_dumps(struct dem_engine *e, int every) {
+    static const char *const names[] = {"grains", "contacts", "walls"};
+    for (int i = 0; i < (e->law.walls->n ? 3 : 2); i++)
+        lammps_send(e->lammps, "dump_modify %s every %d", names[i], every);
+}
+
 status dem_engine_moment(struct dem_engine *e, struct dem_moment *out) {
     out->ncontacts = 0;
+    set_dumps(e, 1);
+    lammps_send(e->lammps, "run 0 pre no post no");
+    set_dumps(e, 1000000000);
     TRY(take_grains(e, out));
+    TRY(take_walls(e, out));
     TRY(take_contacts(e, out));
     return lammps_wait(e->lammps);
 }

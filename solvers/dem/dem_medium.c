@@ -57,11 +57,7 @@ static status medium_read(struct setup *s) {
                     "without mpirun",
                     comm_size(s->comm));
     TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, true, &x->run.models));
-    const struct grains_models *m = x->run.models;
-    s->file[s->nfiles++] = (struct setup_file){"constant", "granularProperties", m->granular};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "particleProperties", m->properties};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "g", m->forces.g};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "shaking", m->forces.shaking};
+    grains_files(s, x->run.models);
     return OK;
 }
 

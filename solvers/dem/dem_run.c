@@ -148,26 +148,13 @@ static status place(struct dem_run *r) {
     return e ? e : check_overlaps(r);
 }
 
-/* Makes the averages, with the sums of the saved state if these are of the same cells, kernel and windows. */
 static status make_averages(struct dem_run *r) {
     const struct grains_models *m = r->models;
-    const struct dem_state *s = &r->saved;
     const struct coarse_grid grid = grid_of(r);
-    double numbers[16];
-    long n;
-    TRY(status_note(averages_make(&grid, m->window, m->samples, r->setup->start.t, r->moment.nold, &r->averages),
-                    "%s: coarseGraining", dict_path(m->properties)));
-    struct averages_mark *mark = averages_mark(r->averages);
-    grains_state_grid(&grid, numbers);
-    (void)averages_sums(r->averages, 0, &n);
-    if (!s->nold || r->changed || n != s->nsums || memcmp(numbers, s->grid, sizeof numbers) != 0 ||
-        s->mark.window != mark->window || s->mark.samples != mark->samples)
-        return OK;
-    r->kept = true;
-    *mark = s->mark;
-    for (int k = 0; k < 2; k++)
-        memcpy(averages_sums(r->averages, k, &n), s->sums[k], (size_t)s->nsums * sizeof(double));
-    return OK;
+    const bool goes_on = r->saved.nold && !r->changed;
+    return status_note(averages_resume(&grid, m->window, m->samples, r->setup->start.t, r->moment.nold,
+                                       goes_on ? &r->saved.averages : NULL, &r->averages, &r->kept),
+                       "%s: coarseGraining", dict_path(m->properties));
 }
 
 status dem_run_start(struct dem_run *r) {
@@ -289,19 +276,13 @@ status dem_run_look(struct dem_run *r) {
 }
 
 status dem_run_save(struct dem_run *r, const char *folder, const char *location, struct checksums *sums) {
-    const struct coarse_grid grid = grid_of(r);
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct file_sum sum;
     TRY(dem_run_look(r));
-    struct dem_state s = {.n = r->moment.n,
-                          .nold = r->moment.nold,
-                          .account = r->account,
-                          .id = r->moment.id,
-                          .mark = *averages_mark(r->averages)};
+    struct dem_state s = {.n = r->moment.n, .nold = r->moment.nold, .account = r->account, .id = r->moment.id};
     for (int k = 0; k < 3; k++) s.list[k] = list_of(&r->moment, k);
-    for (int k = 0; k < 2; k++) s.sums[k] = averages_sums(r->averages, k, &s.nsums);
+    averages_save(r->averages, &s.averages);
     dem_state_law(&r->law, s.law);
-    grains_state_grid(&grid, s.grid);
     snprintf(path, sizeof path, "%s/uniform/softGrains", folder);
     snprintf(where, sizeof where, "%s/uniform", location);
     TRY(dem_state_write(&s, path, where, r->setup->control->format.compress, &sum));

@@ -2,7 +2,7 @@
 /* Writes and reads the state of a run of soft grains (dem_state.h). */
 #include "solvers/dem/dem_state.h"
 
-#include "solvers/grains/bytes.h"
+#include "solvers/grains/grains_state.h"
 
 #include <string.h>
 
@@ -14,8 +14,8 @@ struct soft_head { /* sizes that tell how long the rest is */
     int64_t nsums;
 };
 static struct soft_head head_of(const struct dem_state *s) {
-    return (struct soft_head){"soft",  0x0102030405060708,           VERSION, s->n,
-                              s->nold, sizeof(struct averages_mark), s->nsums};
+    return (struct soft_head){"soft",  0x0102030405060708,           VERSION,          s->n,
+                              s->nold, sizeof(struct averages_mark), s->averages.nsums};
 }
 
 void dem_state_law(const struct dem_law *law, double out[DEM_LAW]) {
@@ -57,11 +57,11 @@ status dem_state_write(const struct dem_state *s, const char *path, const char *
     sink_write(o, &head, sizeof head);
     sink_write(o, &s->account, sizeof s->account);
     sink_write(o, s->law, sizeof s->law);
-    sink_write(o, &s->mark, sizeof s->mark);
-    sink_write(o, s->grid, sizeof s->grid);
+    sink_write(o, &s->averages.mark, sizeof s->averages.mark);
+    sink_write(o, s->averages.grid, sizeof s->averages.grid);
     sink_write(o, s->id, (size_t)s->n * sizeof *s->id);
     for (int k = 0; k < 3; k++) sink_write(o, s->list[k], 3 * (size_t)s->n * sizeof(double));
-    for (int k = 0; k < 2; k++) sink_write(o, s->sums[k], (size_t)s->nsums * sizeof(double));
+    for (int k = 0; k < 2; k++) sink_write(o, s->averages.sums[k], (size_t)s->averages.nsums * sizeof(double));
     sink_printf(o, ")\n");
     return sink_close_sum(o, sum);
 }
@@ -69,52 +69,47 @@ status dem_state_write(const struct dem_state *s, const char *path, const char *
 static status allocate_lists(struct dem_state *s) {
     TRY(pool_take(&s->pool, &s->id, s->n, sizeof *s->id, "grains"));
     for (int k = 0; k < 3; k++) TRY(pool_take(&s->pool, &s->list[k], 3L * s->n, sizeof(double), "grains"));
-    for (int k = 0; k < 2; k++) TRY(pool_take(&s->pool, &s->sums[k], s->nsums, sizeof(double), "averages"));
+    for (int k = 0; k < 2; k++)
+        TRY(pool_take(&s->pool, &s->averages.sums[k], s->averages.nsums, sizeof(double), "averages"));
     return OK;
 }
 
 static bool take_lists(struct bytes *b, struct dem_state *s) {
     bool ok = bytes_take(b, s->id, (size_t)s->n * sizeof *s->id);
     for (int k = 0; k < 3; k++) ok = ok && bytes_take(b, s->list[k], 3 * (size_t)s->n * sizeof(double));
-    for (int k = 0; k < 2; k++) ok = ok && bytes_take(b, s->sums[k], (size_t)s->nsums * sizeof(double));
+    for (int k = 0; k < 2; k++)
+        ok = ok && bytes_take(b, s->averages.sums[k], (size_t)s->averages.nsums * sizeof(double));
     for (int i = 0; ok && i < s->n; i++) ok = s->id[i] > (i ? s->id[i - 1] : 0) && s->id[i] <= s->nold;
     return ok && b->left == 2 && !memcmp(b->at, ")\n", 2);
 }
 
-static status parse(const struct source *source, struct lexer *l, struct dem_state *s) {
+static status parse(const struct source *source, struct bytes *b, void *out) {
     static const char cure[] = "start from another time, or remove it to start from lagrangian/grains or the fields";
-    TRY(lexer_expect(l, '('));
-    struct bytes b = {source->text + l->position, source->size - l->position};
+    struct dem_state *s = out;
     struct soft_head head, here;
-    if (!bytes_take(&b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
+    if (!bytes_take(b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     s->n = head.n;
     s->nold = head.nold;
-    s->nsums = head.nsums;
+    s->averages.nsums = head.nsums;
     here = head_of(s);
     if (memcmp(&head, &here, sizeof head))
         return fail(ERR_INPUT, "%s: it was written by another version, or a machine of other numbers; %s", source->path,
                     cure);
     const double bytes = 76. * head.n + 16. * (double)head.nsums;
-    if (head.n < 0 || head.nold < head.n || head.nsums < 0 || bytes > (double)b.left ||
-        !bytes_take(&b, &s->account, sizeof s->account) || !bytes_take(&b, s->law, sizeof s->law) ||
-        !bytes_take(&b, &s->mark, sizeof s->mark) || !bytes_take(&b, s->grid, sizeof s->grid))
+    if (head.n < 0 || head.nold < head.n || head.nsums < 0 || bytes > (double)b->left ||
+        !bytes_take(b, &s->account, sizeof s->account) || !bytes_take(b, s->law, sizeof s->law) ||
+        !bytes_take(b, &s->averages.mark, sizeof s->averages.mark) ||
+        !bytes_take(b, s->averages.grid, sizeof s->averages.grid))
         return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     TRY(allocate_lists(s));
-    if (!take_lists(&b, s) || s->mark.samples < 1 || s->mark.taken < 0 || s->mark.taken > s->mark.samples)
+    if (!take_lists(b, s) || !averages_sound(&s->averages))
         return fail(ERR_INPUT, "%s: it is cut or damaged; %s", source->path, cure);
     return OK;
 }
 
 status dem_state_read(const char *path, struct dem_state *out) {
-    struct source *source = NULL;
-    struct foam_header h;
     *out = (struct dem_state){.n = 0};
-    TRY(source_open(path, &source));
-    struct lexer l = lexer_start(source);
-    status e = foam_header_read(&l, &h);
-    if (!e) e = parse(source, &l, out);
-    source_free(source);
-    return e;
+    return state_read(path, parse, out);
 }
 
 void dem_state_free(struct dem_state *s) {

@@ -23,10 +23,7 @@ struct dem_state {
     double law[DEM_LAW]; /* numbers of box, contacts and gravity, as dem_state_law gives them */
     int *id;             /* [n] */
     double *list[3];     /* [n][3]: places, velocities, spins */
-    struct averages_mark mark;
-    double grid[16]; /* as grains_state_grid */
-    long nsums;
-    double *sums[2];  /* [nsums]: running window, last complete one */
+    struct averages_saved averages;
     struct pool pool; /* has the lists of a state that was read */
 };
 void dem_state_law(const struct dem_law *law, double out[DEM_LAW]);

@@ -6,7 +6,6 @@
 #include "mesh/base/build.h"
 
 #include <errno.h>
-#include <math.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdarg.h>
@@ -16,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { NUMBERS = 24, WORDS = 32 };
+enum { WORDS = 32 };
 static const char marker[] = "haff: done";
 
 struct lammps {
@@ -24,8 +23,6 @@ struct lammps {
     pid_t pid;
     char *line; /* the last one read */
     size_t room;
-    double number[NUMBERS];
-    int count;       /* of those */
     char error[512]; /* its last error */
 };
 
@@ -171,24 +168,13 @@ static status died(struct lammps *l) {
     return fail(ERR_SYSTEM, "LAMMPS ended with code %d and said no reason", code);
 }
 
-/* Keeps an error; and the numbers of a line that holds numbers alone. */
+/* Keeps an error. */
 static void note(struct lammps *l) {
-    const char *at = l->line;
-    char *rest;
-    double number[NUMBERS];
-    int n = 0;
-    if (!strncmp(at, "ERROR", 5)) snprintf(l->error, sizeof l->error, "%s", at);
-    if (*l->error && !strncmp(at, "Last command", 12)) {
+    if (!strncmp(l->line, "ERROR", 5)) snprintf(l->error, sizeof l->error, "%s", l->line);
+    if (*l->error && !strncmp(l->line, "Last command", 12)) {
         const size_t used = strlen(l->error);
-        snprintf(l->error + used, sizeof l->error - used, "; %s", at);
+        snprintf(l->error + used, sizeof l->error - used, "; %s", l->line);
     }
-    for (; n < NUMBERS; n++, at = rest) {
-        number[n] = strtod(at, &rest);
-        if (rest == at) break;
-    }
-    if (!n || at[strspn(at, " ")]) return;
-    memcpy(l->number, number, sizeof number);
-    l->count = n;
 }
 
 status lammps_wait(struct lammps *l) {
@@ -199,10 +185,6 @@ status lammps_wait(struct lammps *l) {
         note(l);
     }
     return died(l);
-}
-
-double lammps_number(const struct lammps *l, int i) {
-    return i < l->count ? l->number[i] : NAN;
 }
 
 status lammps_dump(struct lammps *l, long *n) {

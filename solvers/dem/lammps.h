@@ -26,9 +26,6 @@ void lammps_free(struct lammps *l); /* ends it */
 void lammps_send(struct lammps *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Waits until all is done that was sent. Fails with ERR_SYSTEM and its own words if it has ended. */
 status lammps_wait(struct lammps *l);
-/* Returns entry i of the last row of its thermo output that lammps_wait saw; NAN: there is none. */
-double lammps_number(const struct lammps *l, int i);
-
 /* Reads the head of a dump that was sent for; *n is its number of rows. */
 status lammps_dump(struct lammps *l, long *n);
 status lammps_row(struct lammps *l, int columns, double *row); /* reads a row of it */

@@ -5,13 +5,31 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct averages {
     struct averages_mark mark;
     struct coarse *sum[2];   /* sums of the running window; of the last complete one, or of a moment */
     double (*x)[3], (*u)[3]; /* [grains] */
     double moment;           /* s: time of sum[1]; NAN: it is of a window */
+    double grid[16];         /* as in struct averages_saved */
 };
+
+static void grid_numbers(const struct coarse_grid *g, double v[16]) {
+    int n = 0;
+    v[n++] = g->dim;
+    for (int k = 0; k < 3; k++) {
+        v[n++] = g->n[k];
+        v[n++] = g->low[k];
+        v[n++] = g->h[k];
+    }
+    v[n++] = g->periodic[0] + 2 * g->periodic[1] + 4 * g->periodic[2];
+    v[n++] = g->kernel;
+    v[n++] = g->width;
+    v[n++] = g->mass;
+    v[n++] = g->diameter;
+    while (n < 16) v[n++] = 0;
+}
 
 static double sample_time(const struct averages_mark *m) {
     return ((double)m->index + (m->taken + 0.5) / m->samples) * m->window;
@@ -32,11 +50,43 @@ status averages_make(const struct coarse_grid *grid, double window, int samples,
     *out = a;
     a->mark = (struct averages_mark){.window = window, .samples = samples};
     a->moment = NAN;
+    grid_numbers(grid, a->grid);
     if (window > 0) begin(&a->mark, t);
     TRY(coarse_make(grid, &a->sum[0]));
     TRY(coarse_make(grid, &a->sum[1]));
+    return averages_room(a, grains);
+}
+
+status averages_room(struct averages *a, int grains) {
+    free(a->x);
+    free(a->u);
+    a->x = a->u = NULL;
     TRY(allocate(&a->x, grains, sizeof *a->x, "averages"));
     return allocate(&a->u, grains, sizeof *a->u, "averages");
+}
+
+status averages_resume(const struct coarse_grid *grid, double window, int samples, double t, int grains,
+                       const struct averages_saved *saved, struct averages **out, bool *kept) {
+    *kept = false;
+    TRY(averages_make(grid, window, samples, t, grains, out));
+    struct averages *a = *out;
+    if (!saved || saved->nsums != coarse_size(a->sum[0]) || memcmp(a->grid, saved->grid, sizeof a->grid) != 0 ||
+        saved->mark.window != a->mark.window || saved->mark.samples != a->mark.samples)
+        return OK;
+    *kept = true;
+    a->mark = saved->mark;
+    for (int k = 0; k < 2; k++) memcpy(coarse_sums(a->sum[k]), saved->sums[k], (size_t)saved->nsums * sizeof(double));
+    return OK;
+}
+
+void averages_save(struct averages *a, struct averages_saved *out) {
+    out->mark = a->mark;
+    memcpy(out->grid, a->grid, sizeof out->grid);
+    for (int k = 0; k < 2; k++) out->sums[k] = averages_sums(a, k, &out->nsums);
+}
+
+bool averages_sound(const struct averages_saved *s) {
+    return s->mark.samples > 0 && s->mark.taken >= 0 && s->mark.taken <= s->mark.samples;
 }
 
 void averages_free(struct averages *a) {

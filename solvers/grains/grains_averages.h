@@ -15,9 +15,22 @@ struct averages_mark { /* how far the averages are; saved as it is */
     int32_t complete; /* is there a last complete window? */
 };
 struct averages;
+struct averages_saved { /* for a restart */
+    struct averages_mark mark;
+    double grid[16]; /* struct coarse_grid of the sums, as numbers, so that two grids can be compared */
+    long nsums;
+    double *sums[2]; /* [nsums]: running window, last complete one */
+};
 /* Makes averages that start at time t (s); `grains` is their number. */
 status averages_make(const struct coarse_grid *grid, double window, int samples, double t, int grains,
                      struct averages **out);
+/* The same, which go on from sums that were saved; *kept: do they? They begin anew with `saved` NULL, and if cells,
+ * kernel or windows are others. */
+status averages_resume(const struct coarse_grid *grid, double window, int samples, double t, int grains,
+                       const struct averages_saved *saved, struct averages **out, bool *kept);
+status averages_room(struct averages *a, int grains);               /* makes room for so many grains */
+void averages_save(struct averages *a, struct averages_saved *out); /* borrows the sums */
+bool averages_sound(const struct averages_saved *s);                /* could averages have such a mark? */
 void averages_free(struct averages *a);
 
 /* Returns the observer of impacts now; it changes with averages_take. NULL: no one listens. */

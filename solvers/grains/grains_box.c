@@ -37,8 +37,8 @@ static status check_wall(const struct setup *s, const struct grains_models *m, c
                     patch, q->type);
     return fail(
         ERR_INPUT,
-        "%s:%d: patch %s: type is %s, by which grains would come in; allowed are slip, symmetry, symmetryPlane "
-        "(walls), zeroGradient (grains leave) and cyclic (with patches of type cyclic): close it with  type slip;",
+        "%s:%d: patch %s: type is %s; allowed are slip, symmetry, symmetryPlane (walls), zeroGradient (grains leave), "
+        "fixedValue and others that give U (grains come in) and cyclic (with patches of type cyclic)",
         file, q->line, patch, q->type);
 }
 
@@ -116,6 +116,7 @@ static status make_space(const struct setup *s, const struct grains_models *m, c
     }
     out->facets = mesh->facets;
     out->wall_restitution = m->restitution;
+    for (int p = 0; p < s->mesh->npatches; p++) out->fed = out->fed || m->feeds[p];
     return OK;
 }
 
@@ -146,6 +147,31 @@ status grains_box_make(const struct setup *s, const struct grains_models *m, con
         for (int k = 0; k < s->dim; k++) out->shake[k] = g->gravity[k] * g->amplitude / (out->omega * out->omega);
     }
     return check_forces(s, m, out);
+}
+
+static void print_facets(FILE *f, const struct polymesh *m, const struct grains_models *models,
+                         const struct facets *all) {
+    fprintf(f, "    %-22s %d facets\n", "walls", all->own);
+    for (int p = 0; p < m->npatches; p++) {
+        const struct patch *patch = &m->patch[p];
+        if (!strcmp(patch->type, "empty") || !strcmp(patch->type, "cyclic")) continue;
+        if (models->open[p])
+            fprintf(f, "    %-22s grains %s\n", patch->name, models->feeds[p] ? "come in" : "leave");
+        else
+            fprintf(f, "    %-22s restitution %g\n", patch->name, models->restitution[p]);
+    }
+}
+
+void grains_box_print(FILE *f, const struct setup *s, const struct grains_models *m, const struct grain_box *b) {
+    for (int k = 0; k < b->dim; k++) {
+        const char axis = "xyz"[s->axis[k]];
+        if (b->periodic[k])
+            fprintf(f, "    %c %-20s periodic\n", axis, "");
+        else if (!b->facets)
+            fprintf(f, "    %c %-20s walls, restitution %g and %g\n", axis, "", b->restitution[k][0],
+                    b->restitution[k][1]);
+    }
+    if (b->facets) print_facets(f, s->mesh, m, b->facets);
 }
 
 long grains_box_cell(const struct setup *s, const struct grains_mesh *mesh, const double x[3]) {

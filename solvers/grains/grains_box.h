@@ -18,6 +18,8 @@ bool grains_box_is_full(const struct setup *s, const struct grains_models *m);
  * grains out (zeroGradient); other types are an error. */
 status grains_box_make(const struct setup *s, const struct grains_models *m, const struct field *U,
                        const struct grains_mesh *mesh, struct grain_box *out);
+/* Prints periodic axes and walls. */
+void grains_box_print(FILE *f, const struct setup *s, const struct grains_models *m, const struct grain_box *b);
 /* Returns the polyMesh cell that holds x (m); a place outside counts for the nearest cell. */
 long grains_box_cell(const struct setup *s, const struct grains_mesh *mesh, const double x[3]);
 /* Sets out to x along physical axes; along axes that are not solved it lies in the middle of the mesh. */

@@ -7,6 +7,7 @@
 #include "solvers/grains/grains_averages.h"
 #include "solvers/grains/grains_box.h"
 #include "solvers/grains/grains_forces.h"
+#include "solvers/grains/grains_inlets.h"
 #include "solvers/grains/grains_start.h"
 #include "solvers/grains/grains_state.h"
 #include "solvers/grains/grains_table.h"
@@ -30,6 +31,7 @@ struct grains_run {
     struct grain_box box;
     struct grain_law law;
     struct grains *grains;
+    struct grains_inlets *inlets; /* NULL: no grains come in */
     struct averages *averages;
     struct grains_forces *forces;                           /* NULL: no one asks for them */
     struct grain_start placed;                              /* how the grains were placed; its lists are freed */
@@ -75,11 +77,7 @@ static status medium_read(struct setup *s) {
                     "side by side",
                     comm_size(s->comm));
     TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, false, &x->models));
-    const struct grains_models *m = x->models;
-    s->file[s->nfiles++] = (struct setup_file){"constant", "granularProperties", m->granular};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "particleProperties", m->properties};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "g", m->forces.g};
-    s->file[s->nfiles++] = (struct setup_file){"constant", "shaking", m->forces.shaking};
+    grains_files(s, x->models);
     return OK;
 }
 
@@ -133,8 +131,10 @@ static status medium_state(struct setup *s) {
     TRY(grains_start_read(s, x->models, saved, &x->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(&x->start, s->mesh, x->models));
+    bool fed;
     const bool open = grains_box_open(s, x->start.field[FIELD_U], x->models->open);
-    if (open || !grains_box_is_full(s, x->models))
+    TRY(grains_inlets_find(s, &x->start, x->models, &fed));
+    if (open || fed || !grains_box_is_full(s, x->models))
         TRY(grains_mesh_make(s, x->models->grain.diameter, x->models->open, &x->mesh));
     TRY(grains_start_take(s, x->models, x->mesh, saved, &x->start));
     TRY(grains_box_make(s, x->models, x->start.field[FIELD_U], x->mesh, &x->box));
@@ -176,12 +176,19 @@ static struct coarse_grid grid_of(const struct grains_run *x) {
     return g;
 }
 
-/* Returns the energy (J) of the grains that have left. */
-static double gone_energy(const struct grains_run *x) {
+/* Returns the sum of column k over the walls in a block of rows of grains_impulses: 1 of grains that left, 2 of those
+ * that came. */
+static double sum_of_walls(const struct grains_run *x, int block, int k) {
     const int walls = x->box.facets && x->box.facets->opens ? x->box.facets->space.walls : 0;
     double sum = 0;
-    for (int w = 0; w < walls; w++)
-        for (int k = 1; k < 3; k++) sum += grains_impulses(x->grains)[walls + w][k];
+    for (int w = 0; w < walls; w++) sum += grains_impulses(x->grains)[block * walls + w][k];
+    return sum;
+}
+
+/* Returns the energy (J) of the grains that have left, less that of those that came. */
+static double gone_energy(const struct grains_run *x) {
+    double sum = 0;
+    for (int k = 1; k < 3; k++) sum += sum_of_walls(x, 1, k) - (x->box.fed ? sum_of_walls(x, 2, k) : 0);
     return sum;
 }
 
@@ -210,6 +217,7 @@ static status fit_saved(struct grains_run *x) {
                     of->dir, of->start.name);
     s->box.facets = x->box.facets;
     s->box.shear = x->box.shear;
+    s->box.fed = x->box.fed;
     s->box.wall_restitution = x->box.wall_restitution;
     return OK;
 }
@@ -276,27 +284,13 @@ static status place(struct grains_run *x) {
     return OK;
 }
 
-/* Makes the averages, with the sums of the saved state if these are of the same cells, kernel and windows. */
 static status make_averages(struct grains_run *x) {
     const struct grains_models *m = x->models;
-    const struct grains_state *s = &x->saved;
     const struct coarse_grid grid = grid_of(x);
-    double numbers[16];
-    long n;
-    TRY(status_note(
-        averages_make(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains), &x->averages),
-        "%s: coarseGraining", m->properties ? dict_path(m->properties) : "constant/particleProperties"));
-    struct averages_mark *mark = averages_mark(x->averages);
-    grains_state_grid(&grid, numbers);
-    (void)averages_sums(x->averages, 0, &n);
-    if (!s->n || x->changed || n != s->nsums || memcmp(numbers, s->grid, sizeof numbers) != 0 ||
-        s->mark.window != mark->window || s->mark.samples != mark->samples)
-        return OK;
-    x->kept = true;
-    *mark = s->mark;
-    for (int k = 0; k < 2; k++)
-        memcpy(averages_sums(x->averages, k, &n), s->sums[k], (size_t)s->nsums * sizeof(double));
-    return OK;
+    const bool goes_on = x->saved.n && !x->changed;
+    return status_note(averages_resume(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains),
+                                       goes_on ? &x->saved.averages : NULL, &x->averages, &x->kept),
+                       "%s: coarseGraining", m->properties ? dict_path(m->properties) : "constant/particleProperties");
 }
 
 static status make_values(struct grains_run *x) {
@@ -312,9 +306,21 @@ static status make_values(struct grains_run *x) {
     return OK;
 }
 
+/* Makes the inlets, and room for the first grains that come in. */
+static status make_inlets(struct grains_run *x) {
+    const struct grains_inflow *saved = x->saved.n && x->saved.fed && !x->changed ? &x->saved.inflow : NULL;
+    if (!x->box.fed) return OK;
+    if (!saved) {
+        const int n = grains_number(x->grains);
+        TRY(grains_grow(&x->grains, n + n / 4 + 64));
+    }
+    return grains_inlets_make(x->base.setup, x->models, &x->start, &x->box, x->base.setup->start.t, saved, &x->inlets);
+}
+
 static status medium_start(struct medium *m) {
     struct grains_run *x = of(m);
     TRY(x->saved.n ? resume(x) : place(x));
+    TRY(make_inlets(x));
     TRY(make_averages(x));
     TRY(make_values(x));
     x->placed.n = x->saved.n ? 0 : x->placed.n;
@@ -339,6 +345,7 @@ static void medium_free(struct medium *m) {
     grains_table_close(&x->table);
     grains_free(x->grains);
     averages_free(x->averages);
+    grains_inlets_free(x->inlets);
     grains_forces_free(x->forces);
     grains_state_free(&x->saved);
     grains_start_free(&x->start);
@@ -348,35 +355,13 @@ static void medium_free(struct medium *m) {
     free(x);
 }
 
-static void describe_facets(FILE *f, const struct grains_run *x) {
-    const struct polymesh *m = x->base.setup->mesh;
-    fprintf(f, "    %-22s %d facets\n", "walls", x->box.facets->own);
-    for (int p = 0; p < m->npatches; p++)
-        if (strcmp(m->patch[p].type, "empty") != 0 && strcmp(m->patch[p].type, "cyclic") != 0)
-            x->models->open[p] ? fprintf(f, "    %-22s grains leave\n", m->patch[p].name)
-                               : fprintf(f, "    %-22s restitution %g\n", m->patch[p].name, x->models->restitution[p]);
-}
-
-static void describe_walls(FILE *f, const struct grains_run *x) {
-    const struct grain_box *b = &x->box;
-    for (int k = 0; k < b->dim; k++) {
-        const char axis = "xyz"[x->base.setup->axis[k]];
-        if (b->periodic[k])
-            fprintf(f, "    %c %-20s periodic\n", axis, "");
-        else if (!b->facets)
-            fprintf(f, "    %c %-20s walls, restitution %g and %g\n", axis, "", b->restitution[k][0],
-                    b->restitution[k][1]);
-    }
-    if (b->facets) describe_facets(f, x);
-}
-
 static void medium_describe(const struct medium *m, FILE *f) {
     const struct grains_run *x = of(m);
     const struct grain_start *p = &x->placed;
     const double d = x->law.diameter;
-    const int n = grains_number(x->grains);
+    const int n = x->inlets ? grains_present(x->grains) : grains_number(x->grains);
     grains_models_print(f, x->models);
-    describe_walls(f, x);
+    grains_box_print(f, m->setup, x->models, &x->box);
     fprintf(f, "Grains\n    %d %s, packing fraction %.6g\n", n, x->box.dim == 2 ? "disks" : "spheres",
             n * (x->box.dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / grains_volume(&x->box));
     if (!p->n)
@@ -413,19 +398,34 @@ static void medium_plan(struct medium *m, const struct control *c, struct pace *
     *out = (struct pace){.stable = HUGE_VAL, .limit = "nothing", .early = "events"};
 }
 
-/* Advances one piece: to `until`, or to the time the averages want before. Returns whether it reached `until`. */
-static bool advance_piece(struct grains_run *x, double until, int64_t *left, double *reached) {
+/* Lets a grain come in; room is made for more of them where that was needed. */
+static status take_inflow(struct grains_run *x) {
+    const int had = grains_number(x->grains);
+    TRY(grains_inlets_take(x->inlets, &x->grains));
+    return grains_number(x->grains) > had ? averages_room(x->averages, grains_number(x->grains)) : OK;
+}
+
+/* Advances one piece: to `until`, or to the time at which the averages or a grain that comes in are due before. *there:
+ * is it `until`? */
+static status advance_piece(struct grains_run *x, double until, int64_t *left, double *reached, bool *there) {
     /* below the slack two times are the same, computed in two ways */
     const double due = averages_next(x->averages), slack = 1e-12 * fabs(until);
-    const double target = due < until - slack ? due : until;
+    const double inflow = x->inlets ? grains_inlets_next(x->inlets) : HUGE_VAL;
+    const double wanted = due < until - slack ? due : until, target = fmin(inflow, wanted);
     const int64_t before = grains_counted(x->grains)->events;
     struct grain_observer *observer = averages_observer(x->averages);
     if (x->forces) observer = grains_forces_observer(x->forces, observer);
     *reached = grains_advance(x->grains, target, *left, observer);
     *left -= grains_counted(x->grains)->events - before;
-    if (*reached < target) return false;
+    *there = false;
+    if (*reached < target) return OK;
+    if (target < wanted) {
+        --*left;
+        return take_inflow(x);
+    }
     if (due <= target + slack) averages_take(x->averages, x->grains);
-    return target == until;
+    *there = target == until;
+    return OK;
 }
 
 static status medium_step(struct medium *m, const struct control *c, double t, double *dt) {
@@ -438,7 +438,7 @@ static status medium_step(struct medium *m, const struct control *c, double t, d
     bool there = false;
     (void)c;
     if (x->forces) grains_forces_begin(x->forces);
-    while (!there && left > 0) there = advance_piece(x, until, &left, &reached);
+    while (!there && left > 0) TRY(advance_piece(x, until, &left, &reached, &there));
     x->spent += clock_now() - clock;
     if (x->forces) grains_forces_end(x->forces, reached - t);
     if (there && until == m->end) return OK;
@@ -521,7 +521,11 @@ static status medium_log(struct medium *m, FILE *f, struct log_row *row) {
     const struct grain_counts *n = &p.counts;
     fill_row(x, &p, row);
     if (!f) return OK;
-    if (x->box.facets && x->box.facets->opens)
+    if (x->inlets)
+        fprintf(f, "    %d grains are there; %.0f have come in, %.0f have left, %lld found no room to come in\n",
+                grains_present(x->grains), sum_of_walls(x, 2, 0), sum_of_walls(x, 1, 0),
+                (long long)grains_inlets_state(x->inlets)->blocked);
+    else if (x->box.facets && x->box.facets->opens)
         fprintf(f, "    %d of %d grains are there\n", grains_present(x->grains), grains_number(x->grains));
     fprintf(f, "    T %.6g  collisions %lld (%.4g per grain)  with walls %lld", p.T, (long long)n->pairs,
             2 * (double)n->pairs / grains_number(x->grains), (long long)n->walls);
@@ -611,7 +615,6 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
 static status medium_save(const struct medium *m, const char *folder, const char *location, struct checksums *sums) {
     const struct grains_run *x = of(m);
     const struct grains *g = x->grains;
-    const struct coarse_grid grid = grid_of(x);
     char path[2 * TIME_PATH], where[TIME_NAME + 16];
     struct grains_state s = {.box = x->box,
                              .law = x->law,
@@ -622,12 +625,12 @@ static status medium_save(const struct medium *m, const char *folder, const char
                              .grain = (struct grain *)(uintptr_t)grains_all(g),
                              .event = (struct grain_event *)(uintptr_t)grains_events(g),
                              .id = (int32_t *)(uintptr_t)grains_ids(g),
-                             .mark = *averages_mark(x->averages),
                              .impulse = (double(*)[3])(uintptr_t)grains_impulses(g)};
     struct file_sum sum;
     grains_state_walls(&x->box, s.walls);
-    for (int k = 0; k < 2; k++) s.sums[k] = averages_sums(x->averages, k, &s.nsums);
-    grains_state_grid(&grid, s.grid);
+    averages_save(x->averages, &s.averages);
+    s.fed = x->inlets != NULL;
+    if (s.fed) s.inflow = *grains_inlets_state(x->inlets);
     snprintf(path, sizeof path, "%s/uniform/grains", folder);
     snprintf(where, sizeof where, "%s/uniform", location);
     TRY(grains_state_write(&s, path, where, m->setup->control->format.compress, &sum));
@@ -650,11 +653,10 @@ static const char help[] =
     "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-version] "
     "[-help]\n\n"
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
-    "inelastic impacts, gravity, walls of any shape, shaking. The case is one of granularGas, with  application "
-    "granularMD;  "
-    "in\n"
-    "system/controlDict: grains are put where alpha says and move as U and T say; fields rho alpha U T p TComponents\n"
-    "(T along each axis) are written as means over grains and impacts, the grains themselves as lagrangian/grains.\n"
+    "inelastic impacts, gravity, walls of any shape, inlets, shaking. The case is one of granularGas, with\n"
+    "application granularMD;  in system/controlDict: grains are put where alpha says and move as U and T say;\n"
+    "fields rho alpha U T p TComponents (T along each axis) are written as means over grains and impacts,\n"
+    "the grains themselves as lagrangian/grains.\n"
     "constant/particleProperties, which may be missing, holds what belongs to grains alone.\n\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"

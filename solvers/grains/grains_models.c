@@ -134,6 +134,7 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
     struct dict *none = NULL;
     TRY(allocate(&m->restitution, mesh->npatches, sizeof(double), "walls"));
     TRY(allocate(&m->open, mesh->npatches, sizeof *m->open, "walls"));
+    TRY(allocate(&m->feeds, mesh->npatches, sizeof *m->feeds, "walls"));
     TRY(allocate(&m->restitution_line, mesh->npatches, sizeof(int), "walls"));
     TRY(allocate(&m->friction, mesh->npatches, sizeof(double), "walls"));
     snprintf(path, sizeof path, "%s/constant/granularProperties", dir);
@@ -170,6 +171,7 @@ void grains_models_free(struct grains_models *m) {
     dict_free(m->properties);
     free(m->restitution);
     free(m->open);
+    free(m->feeds);
     free(m->restitution_line);
     free(m->friction);
     free(m);
@@ -200,14 +202,19 @@ void grains_models_list_soft(FILE *f) {
     list(f, true);
 }
 
-/* Is the boundary condition allowed for grains: for U a smooth wall, for scalars one that such a wall has? */
-static bool is_offered(const struct boundary_type *b) {
+/* Is the boundary condition allowed for all grains: for U a smooth wall, for scalars one that such a wall has? */
+static bool is_offered_all(const struct boundary_type *b) {
     return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient") || !strcmp(b->model.name, "granularWall");
 }
 
-/* The same for soft grains, whose walls may be rough, but do not rotate. */
+/* Hard grains come in where values are given. */
+static bool is_offered(const struct boundary_type *b) {
+    return is_offered_all(b) || (!boundary_is_wall(b) && b->giving != BY_RATE && boundary_value(b, 1));
+}
+
+/* Walls of soft grains may be rough, but do not rotate. */
 static bool is_offered_soft(const struct boundary_type *b) {
-    return (boundary_is_wall(b) && b->giving != BY_ROTATION) || is_offered(b);
+    return (boundary_is_wall(b) && b->giving != BY_ROTATION) || is_offered_all(b);
 }
 
 static void keywords(struct keywords *k, bool soft) {
@@ -246,6 +253,8 @@ void grains_boundaries_list(FILE *f) {
             fprintf(f, "  %-14s %-16s smooth wall\n", boundary_table[i].model.name, "U");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "scalars", "on walls");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "U", "grains whose centres come there leave");
+    fprintf(f, "  %-14s %-16s %s\n", "fixedValue ..", "U, alpha, T",
+            "grains of that state come in; also exprFixedValue, uniformFixedValue, inletOutlet");
     fprintf(f, "  %-14s %-16s %s\n", "granularWall", "T",
             "restitution e; of impacts on that wall, as in the gas (or walls of constant/particleProperties; else 1)");
     fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");

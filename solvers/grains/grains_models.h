@@ -21,6 +21,7 @@ struct grains_models {
     double width, window;  /* m, s; window 0: fields are of a moment */
     int samples;           /* moments in a window */
     bool *open;            /* [npatches] do grains leave there? set by grains_box_open */
+    bool *feeds;           /* [npatches] do grains come in there, too? set by grains_inlets_find */
     double *restitution;   /* [npatches] of impacts on each wall */
     int *restitution_line; /* [npatches] in constant/particleProperties; 0: not given */
     bool soft;             /* are the grains soft? Then the rest counts; restitution < 0: that of two grains */

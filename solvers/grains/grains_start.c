@@ -22,6 +22,13 @@ static bool there(const struct setup *s, const char *name) {
     return field_exists(path);
 }
 
+void grains_files(struct setup *s, const struct grains_models *m) {
+    s->file[s->nfiles++] = (struct setup_file){"constant", "granularProperties", m->granular};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "particleProperties", m->properties};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "g", m->forces.g};
+    s->file[s->nfiles++] = (struct setup_file){"constant", "shaking", m->forces.shaking};
+}
+
 static status check_files(const struct setup *s, bool saved) {
     const bool written = there(s, "uniform/time"), placed = there(s, "lagrangian/grains/positions");
     if (!there(s, "U"))

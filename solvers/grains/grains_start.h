@@ -15,6 +15,7 @@ struct grains_start {
     double *alpha, *T, *u[3];
     const struct grains_mesh *mesh; /* NULL: the cells fill a box */
 };
+void grains_files(struct setup *s, const struct grains_models *m); /* notes what was read */
 /* Reads the fields. grains_start_take then takes their values for the start, on a mesh (NULL: a box). saved: the
  * grains' own state is there, so that only the patches count. */
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *out);

@@ -3,8 +3,6 @@
  * (grains_state.h). */
 #include "solvers/grains/grains_state.h"
 
-#include "solvers/grains/bytes.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,7 +19,7 @@ static struct head head_of(const struct grains_state *s) {
                          .order = 0x0102030405060708,
                          .version = VERSION,
                          .n = s->n,
-                         .nsums = s->nsums,
+                         .nsums = s->averages.nsums,
                          .size = {sizeof(struct grain), sizeof(struct grain_event), sizeof(struct grain_counts),
                                   sizeof(struct averages_mark)}};
 }
@@ -37,7 +35,7 @@ void grains_state_walls(const struct grain_box *b, double out[3]) {
     if (!b->facets) return;
     const size_t bytes = (size_t)b->facets->space.walls * sizeof(double);
     for (size_t i = 0; i < bytes; i++) sum = (sum ^ ((const unsigned char *)b->wall_restitution)[i]) * 16777619u;
-    out[0] = (b->facets->opens ? 2. : 1.) * b->facets->space.walls;
+    out[0] = (b->fed ? 3. : b->facets->opens ? 2. : 1.) * b->facets->space.walls;
     out[1] = (double)b->facets->sum;
     out[2] = sum;
 }
@@ -92,22 +90,6 @@ bool grains_state_same(const struct grains_state *s, const struct grain_box *box
     return true;
 }
 
-void grains_state_grid(const struct coarse_grid *g, double v[16]) {
-    int n = 0;
-    v[n++] = g->dim;
-    for (int k = 0; k < 3; k++) {
-        v[n++] = g->n[k];
-        v[n++] = g->low[k];
-        v[n++] = g->h[k];
-    }
-    v[n++] = g->periodic[0] + 2 * g->periodic[1] + 4 * g->periodic[2];
-    v[n++] = g->kernel;
-    v[n++] = g->width;
-    v[n++] = g->mass;
-    v[n++] = g->diameter;
-    while (n < 16) v[n++] = 0;
-}
-
 status grains_state_write(const struct grains_state *s, const char *path, const char *location, bool compress,
                           struct file_sum *sum) {
     const struct foam_format binary = {.binary = true, .precision = 17};
@@ -127,13 +109,14 @@ status grains_state_write(const struct grains_state *s, const char *path, const 
     sink_write(o, &s->t, sizeof s->t);
     sink_write(o, &s->energy, sizeof s->energy);
     sink_write(o, &s->counts, sizeof s->counts);
-    sink_write(o, &s->mark, sizeof s->mark);
-    sink_write(o, s->grid, sizeof s->grid);
+    sink_write(o, &s->averages.mark, sizeof s->averages.mark);
+    sink_write(o, s->averages.grid, sizeof s->averages.grid);
     sink_write(o, s->grain, n * sizeof *s->grain);
     sink_write(o, s->event, n * sizeof *s->event);
     sink_write(o, s->id, n * sizeof *s->id);
-    for (int k = 0; k < 2; k++) sink_write(o, s->sums[k], (size_t)s->nsums * sizeof(double));
+    for (int k = 0; k < 2; k++) sink_write(o, s->averages.sums[k], (size_t)s->averages.nsums * sizeof(double));
     if (s->walls[0] > 0) sink_write(o, s->impulse, (size_t)s->walls[0] * sizeof *s->impulse);
+    if (s->fed) sink_write(o, &s->inflow, sizeof s->inflow);
     sink_printf(o, ")\n");
     return sink_close_sum(o, sum);
 }
@@ -142,7 +125,8 @@ static bool take_numbers(struct bytes *b, struct grains_state *s) {
     double box[BOX], law[LAW];
     if (!bytes_take(b, box, sizeof box) || !bytes_take(b, law, sizeof law) || !bytes_take(b, &s->t, sizeof s->t) ||
         !bytes_take(b, &s->energy, sizeof s->energy) || !bytes_take(b, &s->counts, sizeof s->counts) ||
-        !bytes_take(b, &s->mark, sizeof s->mark) || !bytes_take(b, s->grid, sizeof s->grid))
+        !bytes_take(b, &s->averages.mark, sizeof s->averages.mark) ||
+        !bytes_take(b, s->averages.grid, sizeof s->averages.grid))
         return false;
     numbers_box(box, &s->box);
     memcpy(s->walls, box + BOX - 3, sizeof s->walls);
@@ -151,11 +135,12 @@ static bool take_numbers(struct bytes *b, struct grains_state *s) {
 }
 
 static bool take_lists(struct bytes *b, struct grains_state *s) {
-    const size_t n = (size_t)s->n, sums = (size_t)s->nsums * sizeof(double);
+    const size_t n = (size_t)s->n, sums = (size_t)s->averages.nsums * sizeof(double);
     const size_t walls = (size_t)s->walls[0] * sizeof *s->impulse;
     return bytes_take(b, s->grain, n * sizeof *s->grain) && bytes_take(b, s->event, n * sizeof *s->event) &&
-           bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->sums[0], sums) &&
-           bytes_take(b, s->sums[1], sums) && (walls == 0 || bytes_take(b, s->impulse, walls)) && b->left == 2 &&
+           bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->averages.sums[0], sums) &&
+           bytes_take(b, s->averages.sums[1], sums) && (walls == 0 || bytes_take(b, s->impulse, walls)) &&
+           (!(s->fed = b->left > 2) || bytes_take(b, &s->inflow, sizeof s->inflow)) && b->left == 2 &&
            !memcmp(b->at, ")\n", 2);
 }
 
@@ -164,8 +149,8 @@ static status allocate_lists(struct grains_state *s) {
     TRY(pool_take(&s->pool, &s->event, s->n, sizeof *s->event, "events"));
     TRY(pool_take(&s->pool, &s->id, s->n, sizeof *s->id, "grains"));
     TRY(pool_take(&s->pool, &s->impulse, (long)s->walls[0], sizeof *s->impulse, "walls"));
-    TRY(pool_take(&s->pool, &s->sums[0], s->nsums, sizeof(double), "averages"));
-    return pool_take(&s->pool, &s->sums[1], s->nsums, sizeof(double), "averages");
+    TRY(pool_take(&s->pool, &s->averages.sums[0], s->averages.nsums, sizeof(double), "averages"));
+    return pool_take(&s->pool, &s->averages.sums[1], s->averages.nsums, sizeof(double), "averages");
 }
 
 /* Is the state sound: does each grain have a place of its own, and a partner that exists? */
@@ -177,40 +162,50 @@ static bool sound(const struct grains_state *s) {
         if (ok) seen[s->id[i]] = 1;
     }
     free(seen);
-    return ok && s->mark.samples > 0 && s->mark.taken >= 0 && s->mark.taken <= s->mark.samples;
+    if (s->fed) ok = ok && s->inflow.next >= s->t && s->inflow.renewed <= s->t;
+    return ok && averages_sound(&s->averages);
 }
 
-static status parse(const struct source *source, struct lexer *l, struct grains_state *s) {
+static status parse(const struct source *source, struct bytes *b, void *out) {
     static const char cure[] = "start from another time, or remove it to start from lagrangian/grains or the fields";
-    TRY(lexer_expect(l, '('));
-    struct bytes b = {source->text + l->position, source->size - l->position};
+    struct grains_state *s = out;
     struct head head, here;
-    if (!bytes_take(&b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
+    if (!bytes_take(b, &head, sizeof head)) return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     s->n = head.n;
-    s->nsums = head.nsums;
+    s->averages.nsums = head.nsums;
     here = head_of(s);
     if (memcmp(&head, &here, sizeof head))
         return fail(ERR_INPUT, "%s: it was written by another version, or a machine of other numbers; %s", source->path,
                     cure);
     const double bytes = 80. * head.n + 16. * (double)head.nsums;
-    if (head.n < 1 || head.nsums < 0 || bytes > (double)b.left || !take_numbers(&b, s) ||
-        !(s->walls[0] >= 0 && s->walls[0] <= (double)b.left))
+    if (head.n < 1 || head.nsums < 0 || bytes > (double)b->left || !take_numbers(b, s) ||
+        !(s->walls[0] >= 0 && s->walls[0] <= (double)b->left))
         return fail(ERR_INPUT, "%s: it is cut; %s", source->path, cure);
     TRY(allocate_lists(s));
-    if (!take_lists(&b, s) || !sound(s)) return fail(ERR_INPUT, "%s: it is cut or damaged; %s", source->path, cure);
+    if (!take_lists(b, s) || !sound(s)) return fail(ERR_INPUT, "%s: it is cut or damaged; %s", source->path, cure);
     return OK;
 }
 
-status grains_state_read(const char *path, struct grains_state *out) {
-    struct source *source = NULL;
-    struct foam_header h;
-    *out = (struct grains_state){.n = 0};
-    TRY(source_open(path, &source));
+static status parse_source(const struct source *source, state_parser *take, void *out) {
     struct lexer l = lexer_start(source);
-    status e = foam_header_read(&l, &h);
-    if (!e) e = parse(source, &l, out);
+    struct foam_header h;
+    TRY(foam_header_read(&l, &h));
+    TRY(lexer_expect(&l, '('));
+    struct bytes b = {source->text + l.position, source->size - l.position};
+    return take(source, &b, out);
+}
+
+status state_read(const char *path, state_parser *take, void *out) {
+    struct source *source = NULL;
+    TRY(source_open(path, &source));
+    const status e = parse_source(source, take, out);
     source_free(source);
     return e;
+}
+
+status grains_state_read(const char *path, struct grains_state *out) {
+    *out = (struct grains_state){.n = 0};
+    return state_read(path, parse, out);
 }
 
 void grains_state_free(struct grains_state *s) {

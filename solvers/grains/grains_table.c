@@ -34,6 +34,8 @@ static status write_row(FILE *f, const struct setup *s, const struct grain_box *
         for (int k = 0; is_wall(&s->mesh->patch[w]) && k < b->dim; k++) fprintf(f, " %.17g", p->impulse[w][k]);
     for (int w = 0; b->facets && b->facets->opens && w < s->mesh->npatches; w++)
         if (is_wall(&s->mesh->patch[w])) fprintf(f, " %.17g", p->impulse[s->mesh->npatches + w][0]);
+    for (int w = 0; b->fed && w < s->mesh->npatches; w++)
+        if (is_wall(&s->mesh->patch[w])) fprintf(f, " %.17g", p->impulse[2 * s->mesh->npatches + w][0]);
     return case_end_row("grains", f);
 }
 
@@ -52,6 +54,8 @@ static status open_table(struct grains_table *p, const struct setup *s, const st
             fprintf(p->file, " impulse_%s_%c", s->mesh->patch[w].name, "xyz"[s->axis[k]]);
     for (int w = 0; b->facets && b->facets->opens && w < s->mesh->npatches; w++)
         if (is_wall(&s->mesh->patch[w])) fprintf(p->file, " left_%s", s->mesh->patch[w].name);
+    for (int w = 0; b->fed && w < s->mesh->npatches; w++)
+        if (is_wall(&s->mesh->patch[w])) fprintf(p->file, " came_%s", s->mesh->patch[w].name);
     fprintf(p->file, "\n");
     return write_row(p->file, s, b, &p->start);
 }

@@ -30,10 +30,11 @@ static void try_cloud(const char *folder) {
 static void try_state(const char *path) {
     struct grains_state s;
     if (accepted(grains_state_read(path, &s))) {
-        PROMISE(s.n > 0 && s.nsums >= 0, "a state has grains");
+        PROMISE(s.n > 0 && s.averages.nsums >= 0, "a state has grains");
         for (int i = 0; i < s.n; i++)
             PROMISE(s.id[i] >= 0 && s.id[i] < s.n && s.event[i].partner < s.n, "grains and partners are there");
-        PROMISE(s.mark.taken >= 0 && s.mark.taken <= s.mark.samples, "no more moments than a window has");
+        PROMISE(s.averages.mark.taken >= 0 && s.averages.mark.taken <= s.averages.mark.samples,
+                "no more moments than a window has");
     }
     grains_state_free(&s);
 }

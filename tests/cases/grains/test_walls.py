@@ -185,7 +185,7 @@ class Walls(harness.Folder, unittest.TestCase):
     def test_refused(self):
         case = self.case("refused", ROOM)
         for file, change, text in (
-                ("0/U", ("slip", "fixedValue; value uniform (1 0 0)"), r"0/U:\d+: patch walls: type is fixedValue, by which grains would come in"),
+                ("0/U", ("slip", "fixedValue; value uniform (1 0 0)"), r"0/U:\d+: patch walls: type is fixedValue, so that grains come in there, and alpha says not how"),
                 ("constant/particleProperties", (None, "coarseGraining { kernel Gaussian; }\n"), "fields are means over cells: kernel cell"),
                 ("constant/particleProperties", (None, "N 500;\n"), "N 500\n  the grains jam at a packing fraction")):
             wrong = shutil.copytree(case, os.path.join(self.folder, "wrong"))

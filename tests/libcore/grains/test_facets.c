@@ -341,6 +341,50 @@ static void outlet(void **state) {
     free(w);
 }
 
+/* A box that is fed: a grain comes in where there is room and a number, and flies on as if it had always been there;
+ * grains that are made anew for more of them keep their course; what came in and was pushed is counted. */
+static void inlet(void **state) {
+    (void)state;
+    struct walls *w = calloc(1, sizeof *w);
+    box_of_facets(w, (double[3]){6, 5, 7}, 1);
+    finish_walls(w, 3, 0.5);
+    for (int i = 0; i < w->n; i++) w->facet[i].open = w->facet[i].wall == 5;
+    struct facets *f = make_facets(w);
+    struct scene *s = scene_in(f, 2, 1);
+    struct grains *g;
+    double x[4][3], u[4][3], before[3], after[3], at[3], v[3];
+    const double down[3] = {0, 0, -1}, top[3] = {3, 2, 7 - 1e-6}, wall[3] = {0.2, 2, 6.5}, blocked[3] = {2, 2, 1.9};
+    s->box.fed = true;
+    memcpy(s->x[0], (double[3]){2, 2, 1}, sizeof s->x[0]);
+    memcpy(s->x[1], (double[3]){4, 4, 1}, sizeof s->x[1]);
+    for (int i = 0; i < 2; i++) memset(s->u[i], 0, sizeof s->u[i]);
+    g = make(s);
+    assert_true(grains_is_full(g) && !grains_enter(g, top, down, 5));
+    ok(grains_grow(&g, 4));
+    assert_true(!grains_is_full(g) && grains_number(g) == 4 && grains_present(g) == 2);
+    assert_true(!grains_enter(g, blocked, down, 5) && !grains_enter(g, wall, down, 5));
+    const double start = total(g, before);
+    assert_true(grains_enter(g, top, down, 5) && grains_present(g) == 3 && !grains_enter(g, top, down, 5));
+    grains_advance(g, 2.5, INT64_MAX, NULL);
+    ok(grains_grow(&g, 4)); /* in flight */
+    grains_advance(g, 4, INT64_MAX, NULL);
+    grains_at(g, 4, x, u);
+    assert_true(isnan(x[3][0]) && x[2][0] == 3);
+    close_to(x[2][2], 3, 2e-6, "flight");
+    const int i = grains_covering(g, (double[3]){2.3, 2.3, 1.1}, at, v);
+    assert_true(i >= 0 && at[0] == 2 && v[2] == 0 && grains_covering(g, (double[3]){2.6, 2, 1}, at, v) < 0);
+    grains_push(g, i, (double[3]){0.5, 0, 0.25}, 5);
+    const double now = total(g, after), *gave = grains_impulses(g)[5], *came = grains_impulses(g)[12 + 5];
+    assert_true(came[0] == 1);
+    close_to(now, start + came[1] + came[2], 1e-12, "energy");
+    for (int k = 0; k < 3; k++) close_to(after[k] + gave[k], before[k], 1e-12, "momentum");
+    close_to(came[1], s->law.mass * 0.5 * (1 + 0.3125), 1e-12, "what came");
+    grains_free(g);
+    free(s);
+    facets_free(f);
+    free(w);
+}
+
 static void refused(void **state) {
     (void)state;
     struct walls *w = calloc(1, sizeof *w);
@@ -376,6 +420,6 @@ static void refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(courses), cmocka_unit_test(budgets), cmocka_unit_test(pressures), cmocka_unit_test(boxes),
-        cmocka_unit_test(resumed), cmocka_unit_test(outlet),  cmocka_unit_test(refused)};
+        cmocka_unit_test(resumed), cmocka_unit_test(outlet),  cmocka_unit_test(inlet),     cmocka_unit_test(refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -98,9 +98,58 @@ static void streams(void **state) {
         }
 }
 
+/* Speeds at which a drifting Maxwellian passes a point: their rate and first two moments against the integrals of v f,
+ * v^2 f and v^3 f over v > 0; the rate of candidates is nowhere less than the true one. */
+static void inflow(void **state) {
+    (void)state;
+    static const double drift[] = {-2, -0.5, 0, 0.3, 1, 5};
+    struct random r = random_make(11, 2);
+    for (int q = 0; q < 6; q++) {
+        const int n = 200000;
+        const double sigma = 0.7, u = drift[q] * sigma, a = drift[q], bell = exp(-0.5 * a * a) / sqrt(2 * acos(-1));
+        const double above = 0.5 * erfc(-a / sqrt(2)), flux = sigma * (bell + a * above);
+        const double first = sigma * sigma * (a * bell + (1 + a * a) * above);
+        const double second = pow(sigma, 3) * ((2 + a * a) * bell + (3 * a + a * a * a) * above);
+        double sum = 0, square = 0, v;
+        int accepted = 0;
+        for (int k = 0; k < n; k++) {
+            if (!random_inflow(&r, u, sigma, &v)) continue;
+            assert_true(v > 0);
+            accepted++;
+            sum += v;
+            square += v * v;
+        }
+        const double rate = random_inflow_rate(u, sigma), part = flux / rate;
+        assert_true(part <= 1 + 1e-12);
+        assert_true(fabs(accepted - part * n) <= 5 * sqrt(n * part * (1 - part)) + 1e-9);
+        const double mean = first / flux, variance = second / flux - mean * mean;
+        assert_true(fabs(sum / accepted - mean) < 5 * sqrt(variance / accepted));
+        assert_true(fabs(square / accepted - second / flux) < 5 * sqrt(variance / accepted) * 2 * sqrt(second / flux));
+    }
+    double v;
+    assert_true(random_inflow_rate(3, 0) == 3 && random_inflow_rate(-3, 0) == 0 && random_inflow_rate(-50, 1) == 0);
+    assert_true(random_inflow(&r, 3, 0, &v) && v == 3 && !random_inflow(&r, -3, 0, &v));
+}
+
+/* Waiting times of mean and variance 1. */
+static void waiting(void **state) {
+    (void)state;
+    const int n = 200000;
+    struct random r = random_make(12, 2);
+    double sum = 0, square = 0;
+    for (int k = 0; k < n; k++) {
+        const double t = random_waiting(&r);
+        assert_true(t >= 0);
+        sum += t;
+        square += t * t;
+    }
+    assert_true(fabs(sum / n - 1) < 5 / sqrt(n) && fabs(square / n - 2) < 5 * sqrt(20. / n));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(published), cmocka_unit_test(logarithms),
                                        cmocka_unit_test(same_bits), cmocka_unit_test(moments),
-                                       cmocka_unit_test(streams)};
+                                       cmocka_unit_test(streams),   cmocka_unit_test(inflow),
+                                       cmocka_unit_test(waiting)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
