@@ -73,7 +73,13 @@ static void flatten(const struct bed *b, int f, double *a) {
     for (int k = 0; k < b->dim; k++) a[k] -= along * b->set.shapes->normal[k][b->set.shape[f]];
 }
 
-/* Sets u to the velocity on a face: on a rough wall that of the wall along it, and of the cell across it. */
+/* The same on walls with friction that are not rough: they have none across them. */
+static void flatten_if_smooth(const struct bed *b, int f, double *a) {
+    if (b->set.kind[f] == BED_WALL && !bed_is_rough(b, f)) flatten(b, f, a);
+}
+
+/* Sets u to the velocity on a face: on a wall with friction that of the wall, across one that is not rough of the cell.
+ */
 static void find_value(const struct bed *b, int f, double *const *V, double u[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
     for (int m = 0; m < MAX_DIM; m++) u[m] = 0;
@@ -83,7 +89,7 @@ static void find_value(const struct bed *b, int f, double *const *V, double u[MA
         if (i < 0) continue;
         if (b->set.kind[f] == BED_WALL && !slips(b, f)) {
             for (int m = 0; m < b->components; m++) u[m] = b->set.wall_speed[m][f] - V[m][i];
-            flatten(b, f, u);
+            flatten_if_smooth(b, f, u);
             for (int m = 0; m < b->components; m++) u[m] += V[m][i];
             return;
         }
@@ -135,7 +141,7 @@ void bed_look_askew(const struct bed *b, const struct face_view *v, double *cons
         if (cell[!side] < 0) continue;
         for (int m = 0; m < b->components; m++) jump[m] += sign * V[m][cell[side]];
     }
-    if (b->set.kind[v->face] == BED_WALL) flatten(b, v->face, jump);
+    flatten_if_smooth(b, v->face, jump);
     for (int k = 0; k < b->dim; k++)
         for (int m = 0; m < b->components; m++) {
             mean[k][m] = 0;
@@ -228,7 +234,7 @@ static void pull_by_value(const struct bed *b, const struct bed_side *s, int i, 
     const struct bed_friction *r = b->rub;
     double y[MAX_DIM], flat[MAX_DIM];
     for (int m = 0; m < b->components; m++) y[m] = flat[m] = r->value[m][s->face];
-    if (b->set.kind[s->face] == BED_WALL) flatten(b, s->face, flat);
+    flatten_if_smooth(b, s->face, flat);
     for (int m = 0; m < b->components; m++) {
         if (b->set.kind[s->face] == BED_WALL)
             force[m] += slips(b, s->face) ? flat[m] : y[m] - flat[m];
@@ -249,7 +255,7 @@ static void pull_by_fit(const struct bed *b, const struct bed_side *s, int entry
         return;
     }
     if (b->set.kind[s->face] > BED_WALL) return;
-    if (b->set.kind[s->face] == BED_WALL) flatten(b, s->face, own);
+    flatten_if_smooth(b, s->face, own);
     for (int m = 0; m < b->components; m++) force[m] -= own[m];
     if (b->set.kind[s->face] != BED_INNER) return;
     const int other = bed_across(b, s);
@@ -271,7 +277,7 @@ void bed_pull(const struct bed *b, int i, double force[MAX_DIM]) {
         const double A = s.sign * b->set.shapes->area[s.shape] / b->dim;
         double t[MAX_DIM];
         for (int m = 0; m < b->components; m++) t[m] = b->rub->part[s.face] > 0 ? A * b->rub->traction[m][s.face] : 0;
-        if (b->set.kind[s.face] == BED_WALL) flatten(b, s.face, t);
+        flatten_if_smooth(b, s.face, t);
         for (int m = 0; m < b->components; m++) force[m] += t[m];
         pull_by_value(b, &s, i, force);
         pull_by_fit(b, &s, j, i, force);
@@ -289,7 +295,7 @@ void bed_wall_pull(const struct bed *b, int f, double traction[MAX_DIM]) {
     for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++)
         for (int k = 0; k < b->dim && bed_side(b, j).face == f && b->rub->share[i] > 0; k++)
             for (int m = 0; m < b->components; m++) y[m] += b->rub->fit[k][j] * b->rub->gradient[k][m][i];
-    flatten(b, f, y);
-    flatten(b, f, direct);
+    flatten_if_smooth(b, f, y);
+    flatten_if_smooth(b, f, direct);
     for (int m = 0; m < b->components; m++) traction[m] = direct[m] - sign * y[m] / A;
 }

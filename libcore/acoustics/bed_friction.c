@@ -97,8 +97,8 @@ static struct face_view view_of(const struct bed *b, int f) {
     return bed_view(b, f, b->dim);
 }
 
-/* Sets jump to the difference of the velocity V from the left to the right of a face, a wall's being its own along it
- * and none across it, and mean to the gradients along the face. */
+/* Sets jump to the difference of the velocity V from the left to the right of a face, across a wall that is not rough
+ * none, and mean to the gradients along the face. */
 ALWAYS_INLINE void look_at_face(const struct bed *b, const struct face_view *v, double *const *V, struct sizes n,
                                 double jump[MAX_DIM], double mean[MAX_DIM][MAX_DIM]) {
     const struct bed_friction *r = b->rub;
@@ -113,7 +113,8 @@ ALWAYS_INLINE void look_at_face(const struct bed *b, const struct face_view *v, 
     }
     const int i = l >= 0 ? l : q;
     double across = 0;
-    for (int k = 0; k < n.dim; k++) across += v->n[k] * (b->set.wall_speed[k][v->face] - V[k][i]);
+    for (int k = 0; k < n.dim && !bed_is_rough(b, v->face); k++)
+        across += v->n[k] * (b->set.wall_speed[k][v->face] - V[k][i]);
     for (int m = 0; m < n.components; m++) {
         const double change = b->set.wall_speed[m][v->face] - V[m][i] - (m < n.dim ? across * v->n[m] : 0);
         jump[m] = l >= 0 ? change : -change;

@@ -73,6 +73,12 @@ static inline bool bed_rubs_at(const struct bed *b, int f) {
     return b->set.kind[f] == BED_INNER || (b->set.kind[f] == BED_WALL && b->set.wall_friction[f] > 0);
 }
 
+/* Does a wall hold the gas at it in every direction? Other walls do so across themselves, without a stress of friction,
+ * for muWall bounds what they bear. */
+static inline bool bed_is_rough(const struct bed *b, int f) {
+    return b->set.kind[f] == BED_WALL && b->set.wall_friction[f] == HUGE_VAL;
+}
+
 status bed_friction_make(struct bed *b); /* nothing, if the bed has no law of friction */
 void bed_friction_free(struct bed_friction *r);
 /* Gradients of the velocity in cells (bed_strain.c): bed_fit_cell finds the numbers that bed_find_gradients, which is

@@ -63,13 +63,13 @@ void bed_fit_cell(const struct bed *b, int i) {
     }
 }
 
-/* Returns the difference of component m of V from cell i to what is across a side: a rough wall, on boxes as it
- * moves, else along it alone; the mirror image at others. */
+/* Returns the difference of component m of V from cell i to what is across a side: a wall with friction,
+ * which on other meshes than boxes counts along itself alone if it is not rough; the mirror image at others. */
 ALWAYS_INLINE double change_across(const struct bed *b, const struct bed_side *s, int i, double *const *V, int m) {
     if (b->set.kind[s->face] == BED_INNER) return V[m][bed_across(b, s)] - V[m][i];
     if (bed_rubs_at(b, s->face)) {
         const double change = b->set.wall_speed[m][s->face] - V[m][i];
-        if (b->set.shapes->boxes || m >= b->dim) return change;
+        if (b->set.shapes->boxes || bed_is_rough(b, s->face) || m >= b->dim) return change;
         return change -
                b->set.shapes->normal[m][s->shape] *
                    (bed_normal_speed(b, b->set.wall_speed, s->face, s->shape) - bed_normal_speed(b, V, i, s->shape));
