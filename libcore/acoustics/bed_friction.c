@@ -11,8 +11,9 @@
  * damping is needed: stress and velocity together multiply a mode by E +- sqrt(E^2 - E), E the method's polynomial,
  * which is stable for -1/3 <= E <= 1 alone.
  *
- * On a face D comes from the difference between its cells and, along the face, from the gradients of both. Cells gain
- * what the faces' tractions give, so that momentum is kept. The faces' own velocities U, which carry the gas, gain
+ * On a face D comes from the difference between its cells and, along the face, from the gradients of both. On boxes
+ * cells gain what the faces' tractions give, on other meshes by the adjoint of D (bed_adjoint.c): momentum is kept. The
+ * faces' own velocities U, which carry the gas, gain
  *     push = mean of the cells' gains by friction + held (mean of the cells' gains by F - the face's own gain by F),
  * held: 1 where nothing yields; the second term is bounded by what Y bears on the face. So a face between cells at rest
  * is at rest, although the forces on it are not the mean of those on its cells. */
@@ -23,7 +24,7 @@
 /* Faces whose lighter cell is less dense than packed gas have a modulus lower by that ratio, for else thin gas beside
  * packed gas would need many stages. Stages: rates are bounded from above by those of the differences across faces,
  * times SAFE, for the differences along them. */
-static const double SAFE = 1.2, SAFE_SKEW = 1.6;
+static const double SAFE = 1.2;
 /* |RKC's polynomial| is at most 1/DAMPED where it no longer falls with the rate. */
 static const double DAMPED = 10;
 /* A step that would take more stages fails: half of it takes half as many. */
@@ -32,16 +33,24 @@ enum { MOST_STAGES = 1000 };
 /* The cohesion of the surface reaches DEPTH cells down; cells denser than COHERES times packing have it. */
 static const double DEPTH = 2, COHERES = 0.1;
 
-struct face_view { /* a face with friction */
-    int face, left, right, shape;
-    double n[MAX_DIM], to[MAX_DIM], depth; /* normal; between the centres, or from the centre to the wall */
-};
-
 /* ---- memory ---- */
 
 static double *cut(double *at, long n, double **line) {
     *line = at;
     return at + n;
+}
+
+static status make_askew(const struct bed *b, struct bed_friction *r) {
+    const struct bed_set *s = &b->set;
+    const long cells = (long)s->cells + s->ghosts;
+    TRY(ARRAYS_GROW(&r->arrays, r->askew_cells, bed_tensors(b->dim) * cells));
+    TRY(ARRAYS_GROW(&r->arrays, r->askew_faces, (long)(b->components + r->tensors) * s->faces));
+    double *at = r->askew_cells;
+    for (int i = 0; i < bed_tensors(b->dim); i++) at = cut(at, cells, &r->inverse[i]);
+    at = r->askew_faces;
+    for (int k = 0; k < b->components; k++) at = cut(at, s->faces, &r->value[k]);
+    for (int i = 0; i < r->tensors; i++) at = cut(at, s->faces, &r->tensor[i]);
+    return OK;
 }
 
 static status make_room(const struct bed *b, struct bed_friction *r) {
@@ -60,6 +69,7 @@ static status make_room(const struct bed *b, struct bed_friction *r) {
     }
     at = r->sides;
     for (int k = 0; k < b->dim; k++) at = cut(at, sides, &r->fit[k]);
+    if (!s->shapes->boxes) TRY(make_askew(b, r));
     at = cut(cut(cut(r->of_faces, s->faces, &r->stiff), s->faces, &r->part), s->faces, &r->bears);
     for (int i = 0; i < r->tensors; i++) at = cut(at, s->faces, &r->base[i]);
     for (int k = 0; k < C; k++) {
@@ -83,26 +93,12 @@ void bed_friction_free(struct bed_friction *r) {
 
 /* ---- what is known of a face ---- */
 
-ALWAYS_INLINE struct face_view view_with(const struct bed *b, int f, const int dim) {
-    const struct bed_shapes *s = b->set.shapes;
-    const int shape = b->set.shape[f];
-    struct face_view v = {.face = f, .left = b->set.left[f], .right = b->set.right[f], .shape = shape};
-    const bool inner = b->set.kind[f] == BED_INNER, right = v.left < 0;
-    v.depth = inner ? s->depth[0][shape] + s->depth[1][shape] : s->depth[right][shape];
-    for (int k = 0; k < dim; k++) {
-        v.n[k] = s->normal[k][shape];
-        v.to[k] =
-            inner ? s->arm[0][k][shape] - s->arm[1][k][shape] : (right ? -s->arm[1][k][shape] : s->arm[0][k][shape]);
-    }
-    return v;
-}
-
 static struct face_view view_of(const struct bed *b, int f) {
-    return view_with(b, f, b->dim);
+    return bed_view(b, f, b->dim);
 }
 
-/* Sets jump to the difference of the velocity V from the left to the right of a face, a wall's being its own along it
- * and none across it, and mean to the gradients along the face. */
+/* Sets jump to the difference of the velocity V from the left to the right of a face, across a wall that is not rough
+ * none, and mean to the gradients along the face. */
 ALWAYS_INLINE void look_at_face(const struct bed *b, const struct face_view *v, double *const *V, struct sizes n,
                                 double jump[MAX_DIM], double mean[MAX_DIM][MAX_DIM]) {
     const struct bed_friction *r = b->rub;
@@ -117,7 +113,8 @@ ALWAYS_INLINE void look_at_face(const struct bed *b, const struct face_view *v, 
     }
     const int i = l >= 0 ? l : q;
     double across = 0;
-    for (int k = 0; k < n.dim; k++) across += v->n[k] * (b->set.wall_speed[k][v->face] - V[k][i]);
+    for (int k = 0; k < n.dim && !bed_is_rough(b, v->face); k++)
+        across += v->n[k] * (b->set.wall_speed[k][v->face] - V[k][i]);
     for (int m = 0; m < n.components; m++) {
         const double change = b->set.wall_speed[m][v->face] - V[m][i] - (m < n.dim ? across * v->n[m] : 0);
         jump[m] = l >= 0 ? change : -change;
@@ -131,9 +128,12 @@ ALWAYS_INLINE void strain_with(const struct bed *b, const struct face_view *v, d
                                double D[TENSOR]) {
     double jump[MAX_DIM], G[MAX_DIM][MAX_DIM] = {{0}}, trace = 0;
     const double axes = b->material->disks ? 2 : 3;
-    look_at_face(b, v, V, n, jump, G);
+    if (b->set.shapes->boxes)
+        look_at_face(b, v, V, n, jump, G);
+    else
+        bed_look_askew(b, v, V, jump, G);
     for (int m = 0; m < n.components; m++) {
-        for (int k = 0; k < n.dim; k++) jump[m] -= v->to[k] * G[k][m];
+        for (int k = 0; k < n.dim && b->set.shapes->boxes; k++) jump[m] -= v->to[k] * G[k][m];
         jump[m] /= v->depth;
     }
     for (int m = 0; m < n.components; m++)
@@ -304,7 +304,6 @@ static void list_faces(const struct bed *b) {
 /* Returns the largest rate of a cell times dt. */
 static double find_rate(const struct bed *b, double dt) {
     const struct bed_friction *r = b->rub;
-    const double safe = b->set.shapes->boxes ? SAFE : SAFE_SKEW;
     double most = 0;
     for (int i = 0; i < b->set.cells; i++) {
         double sum = 0;
@@ -314,7 +313,7 @@ static double find_rate(const struct bed *b, double dt) {
             const struct face_view v = view_of(b, s.face);
             sum += 4. / 3 * b->set.shapes->area[s.shape] * r->stiff[s.face] / v.depth;
         }
-        most = larger(most, safe * sum * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]));
+        most = larger(most, SAFE * sum * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]));
     }
     comm_max(b->comm, &most, 1);
     return most;
@@ -322,21 +321,24 @@ static double find_rate(const struct bed *b, double dt) {
 
 ALWAYS_INLINE void tractions_with(const struct bed *b, double *const *V, struct sizes n) {
     const struct bed_friction *r = b->rub;
+    const int tensors = n.components * (n.components + 1) / 2;
     for (int e = 0; e < r->faces; e++) {
         const int f = r->face[e];
         double D[TENSOR], t[MAX_DIM];
         if (r->part[f] == 0) continue;
-        const struct face_view v = view_with(b, f, n.dim);
+        const struct face_view v = bed_view(b, f, n.dim);
         strain_with(b, &v, V, n, D);
-        for (int i = 0; i < n.components * (n.components + 1) / 2; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
+        for (int i = 0; i < tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
         apply(n, D, v.n, t);
         for (int k = 0; k < n.components; k++) r->traction[k][f] = t[k];
+        for (int i = 0; i < tensors && !b->set.shapes->boxes; i++) r->tensor[i][f] = D[i];
     }
 }
 
 /* Finds the tractions for V, whose gradients are known. */
 static void find_tractions(const struct bed *b, double *const *V) {
     WITH_SIZES(tractions_with, b, V)
+    if (!b->set.shapes->boxes) bed_find_pull(b);
 }
 
 struct combined { /* gain = before[0] of the last stage, before[1] of that before, now times dt div tau/rho */
@@ -350,7 +352,8 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
                   *const *two = r->gain[(j + LINES - 2) % LINES];
     for (int i = 0; i < b->set.cells; i++) {
         double sum[MAX_DIM] = {0};
-        for (int e = b->set.face_start[i]; e < b->set.face_start[i + 1]; e++) {
+        if (!b->set.shapes->boxes) bed_pull(b, i, sum);
+        for (int e = b->set.face_start[i]; e < b->set.face_start[i + 1] && b->set.shapes->boxes; e++) {
             const struct bed_side s = bed_side(b, e);
             if (r->part[s.face] == 0) continue;
             for (int k = 0; k < b->components; k++)
@@ -361,11 +364,14 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
     }
     for (int e = 0; e < r->faces; e++) {
         const int f = r->face[e];
-        if (b->set.kind[f] != BED_WALL && b->friction.params.heating == 0) continue;
+        const bool wall = b->set.kind[f] == BED_WALL;
+        double t[MAX_DIM];
+        if (!wall && b->friction.params.heating == 0) continue;
+        for (int k = 0; k < b->components; k++) t[k] = r->traction[k][f];
+        if (wall && !b->set.shapes->boxes) bed_wall_pull(b, f, t);
         for (int k = 0; k < b->components; k++)
             r->through[j % LINES][k][f] = c.last * r->through[(j + LINES - 1) % LINES][k][f] +
-                                          c.older * r->through[(j + LINES - 2) % LINES][k][f] +
-                                          c.now * r->traction[k][f];
+                                          c.older * r->through[(j + LINES - 2) % LINES][k][f] + c.now * t[k];
     }
 }
 
@@ -507,6 +513,7 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     find_state(b, gravity);
     list_faces(b);
     for (int i = 0; i < b->set.cells; i++) bed_fit_cell(b, i);
+    if (!b->set.shapes->boxes) bed_fill(b, bed_tensors(b->dim), r->inverse);
     if (driven)
         find_drive(b, dt, gravity);
     else

@@ -17,8 +17,11 @@ struct bed_friction {
     double *base[TENSOR], *traction[MAX_DIM];        /* [faces] th tau; tau' n in a stage */
     double *through[LINES][MAX_DIM];                 /* [faces] where it is wanted: their traction, as gain */
     double *part, *bears;                            /* [faces] th; Pa, the most that friction can bear there */
-    int *face, faces;                                /* those with friction */
-    double *cells, *sides, *of_faces;                /* the memory of the lines */
+    /* Meshes other than boxes (bed_adjoint.c), else NULL: [cells + ghosts] the matrices of `fit`, in rows of the
+     * upper half; [faces] velocity, then the force on it; tau' in a stage */
+    double *inverse[TENSOR], *value[MAX_DIM], *tensor[TENSOR];
+    int *face, faces;                                             /* those with friction */
+    double *cells, *sides, *of_faces, *askew_cells, *askew_faces; /* the memory of the lines */
     struct arrays arrays;
 };
 
@@ -47,9 +50,33 @@ struct sizes { /* solved axes, components of the velocity: constants in the loop
         function(b, V, (struct sizes){3, 3});                                                                          \
     }
 
+struct face_view { /* a face with friction */
+    int face, left, right, shape;
+    double n[MAX_DIM], to[MAX_DIM], depth; /* normal; between the centres, or from the centre to the wall */
+};
+ALWAYS_INLINE struct face_view bed_view(const struct bed *b, int f, const int dim) {
+    const struct bed_shapes *s = b->set.shapes;
+    const int shape = b->set.shape[f];
+    struct face_view v = {.face = f, .left = b->set.left[f], .right = b->set.right[f], .shape = shape};
+    const bool inner = b->set.kind[f] == BED_INNER, right = v.left < 0;
+    v.depth = inner ? s->depth[0][shape] + s->depth[1][shape] : s->depth[right][shape];
+    for (int k = 0; k < dim; k++) {
+        v.n[k] = s->normal[k][shape];
+        v.to[k] =
+            inner ? s->arm[0][k][shape] - s->arm[1][k][shape] : (right ? -s->arm[1][k][shape] : s->arm[0][k][shape]);
+    }
+    return v;
+}
+
 /* Does friction act on a face between cells, or on a wall? */
 static inline bool bed_rubs_at(const struct bed *b, int f) {
     return b->set.kind[f] == BED_INNER || (b->set.kind[f] == BED_WALL && b->set.wall_friction[f] > 0);
+}
+
+/* Does a wall hold the gas at it in every direction? Other walls do so across themselves, without a stress of friction,
+ * for muWall bounds what they bear. */
+static inline bool bed_is_rough(const struct bed *b, int f) {
+    return b->set.kind[f] == BED_WALL && b->set.wall_friction[f] == HUGE_VAL;
 }
 
 status bed_friction_make(struct bed *b); /* nothing, if the bed has no law of friction */
@@ -57,7 +84,19 @@ void bed_friction_free(struct bed_friction *r);
 /* Gradients of the velocity in cells (bed_strain.c): bed_fit_cell finds the numbers that bed_find_gradients, which is
  * collective, sums with, for b->rub->gradient. */
 void bed_fit_cell(const struct bed *b, int i);
+/* Returns the weight of what is across a side, and sets `to`, from the cell's centre to there. */
+double bed_fit_weight(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]);
 void bed_find_gradients(const struct bed *b, double *const *V);
+/* Meshes other than boxes (bed_adjoint.c): turn the gradients that are exact for linear velocities into those by
+ * Gauss's theorem; find the jump and the gradient on a face; after `tensor` and `traction` are known, make ready for
+ * and find the force (N, over the common factor) of friction on a cell. */
+void bed_gauss_gradients(const struct bed *b, double *const *V);
+void bed_look_askew(const struct bed *b, const struct face_view *v, double *const *V, double jump[MAX_DIM],
+                    double mean[MAX_DIM][MAX_DIM]);
+void bed_find_pull(const struct bed *b);
+void bed_pull(const struct bed *b, int i, double force[MAX_DIM]);
+/* Finds the traction (Pa) of a rough wall on the gas, from left to right. */
+void bed_wall_pull(const struct bed *b, int f, double traction[MAX_DIM]);
 /* Finds what friction does over dt: lines rubbed, push and traction; sets b->set.stress. Its pressures are those of
  * b->set.pressure. driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too
  * long. Collective. */

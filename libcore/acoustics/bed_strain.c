@@ -7,7 +7,7 @@
  * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */
 static const double ALONE = 1e-9;
 
-static double weight_of(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
+double bed_fit_weight(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
     const struct bed_shapes *h = b->set.shapes;
     double square = 0, weight = 1;
     const bool wall = b->set.kind[s->face] == BED_WALL, slips = wall && !bed_rubs_at(b, s->face);
@@ -45,14 +45,16 @@ void bed_fit_cell(const struct bed *b, int i) {
     const int first = b->set.face_start[i], last = b->set.face_start[i + 1];
     for (int j = first; j < last; j++) {
         const struct bed_side s = bed_side(b, j);
-        const double w = weight_of(b, &s, bed_across(b, &s), to);
+        const double w = bed_fit_weight(b, &s, bed_across(b, &s), to);
         for (int k = 0; k < b->dim && w > 0; k++)
             for (int l = 0; l < b->dim; l++) A[k][l] += w * to[k] * to[l];
     }
     invert(b->dim, A, inverse);
+    for (int k = 0, at = 0; k < b->dim && !b->set.shapes->boxes; k++)
+        for (int l = k; l < b->dim; l++, at++) r->inverse[at][i] = inverse[k][l];
     for (int j = first; j < last; j++) {
         const struct bed_side s = bed_side(b, j);
-        const double w = weight_of(b, &s, bed_across(b, &s), to);
+        const double w = bed_fit_weight(b, &s, bed_across(b, &s), to);
         for (int k = 0; k < b->dim; k++) {
             double sum = 0;
             for (int l = 0; l < b->dim && w > 0; l++) sum += inverse[k][l] * w * to[l];
@@ -61,11 +63,17 @@ void bed_fit_cell(const struct bed *b, int i) {
     }
 }
 
-/* Returns the difference of component m of V from cell i to what is across a side: a rough wall, the mirror image at
- * others. */
+/* Returns the difference of component m of V from cell i to what is across a side: a wall with friction,
+ * which on other meshes than boxes counts along itself alone if it is not rough; the mirror image at others. */
 ALWAYS_INLINE double change_across(const struct bed *b, const struct bed_side *s, int i, double *const *V, int m) {
     if (b->set.kind[s->face] == BED_INNER) return V[m][bed_across(b, s)] - V[m][i];
-    if (bed_rubs_at(b, s->face)) return b->set.wall_speed[m][s->face] - V[m][i];
+    if (bed_rubs_at(b, s->face)) {
+        const double change = b->set.wall_speed[m][s->face] - V[m][i];
+        if (b->set.shapes->boxes || bed_is_rough(b, s->face) || m >= b->dim) return change;
+        return change -
+               b->set.shapes->normal[m][s->shape] *
+                   (bed_normal_speed(b, b->set.wall_speed, s->face, s->shape) - bed_normal_speed(b, V, i, s->shape));
+    }
     if (m >= b->dim) return 0;
     return -2 * b->set.shapes->normal[m][s->shape] * bed_normal_speed(b, V, i, s->shape);
 }
@@ -92,4 +100,5 @@ void bed_find_gradients(const struct bed *b, double *const *V) {
     bed_fill(b, b->components, V);
     WITH_SIZES(gradients_with, b, V)
     for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, b->rub->gradient[k]);
+    if (!b->set.shapes->boxes) bed_gauss_gradients(b, V);
 }

@@ -120,7 +120,7 @@ class Friction(harness.Folder, unittest.TestCase):
         for time in ("0.3", "0.5"):
             mass = result.field("alpha", time) * result.volumes
             centre.append(mass @ result.centres[:, 0] / mass.sum())
-        self.assertAlmostEqual(centre[1], 0.0115, delta=1e-4)
+        self.assertAlmostEqual(centre[1], 0.01164, delta=1e-4)
         self.assertLess(abs(centre[1] - centre[0]), 2e-4)
         self.assertLess(int(re.search(r"end at time .*: (\d+) steps", log).group(1)), 3000)
         with open(case + "/postProcessing/budget/0/energyBudget.dat") as f:

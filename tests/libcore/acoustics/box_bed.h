@@ -15,6 +15,7 @@ struct box_form { /* n[0] x n[1] x n[2] boxes, or n[0] x n[1] pairs of triangles
     int components; /* of the velocity; 0: as many as there are axes with more than one cell */
     double width;
     bool periodic[3], triangles; /* along each axis; triangles may be periodic along x */
+    double askew;                /* how far inner points of triangles are moved, over the width; 0: 0.15 */
     struct friction_use friction;
 };
 struct box {
@@ -121,6 +122,7 @@ static inline int make_triangles(struct box *x) {
     static const int corner[2][2][3] = {{{0, 1, 3}, {0, 3, 2}}, {{0, 1, 2}, {1, 3, 2}}};
     struct bed_set *b = &x->bed.set;
     const int *n = x->form.n;
+    const double askew = x->form.askew > 0 ? x->form.askew : 0.15;
     double(*middle)[2] = calloc((size_t)(3 * b->cells), sizeof *middle);
     int faces = 0;
     assert_non_null(middle);
@@ -131,7 +133,7 @@ static inline int make_triangles(struct box *x) {
             const int place[2] = {at[0] + use[j] % 2, at[1] + use[j] / 2};
             const bool inner = place[1] > 0 && place[1] < n[1] && place[0] % n[0] > 0;
             for (int k = 0; k < 2; k++) {
-                p[j][k] = x->form.width * (place[k] + (inner ? 0.15 * sin(7 * place[0] + 3 * place[1] + k) : 0));
+                p[j][k] = x->form.width * (place[k] + (inner ? askew * sin(7 * place[0] + 3 * place[1] + k) : 0));
                 c[k] += p[j][k] / 3;
             }
         }
