@@ -109,6 +109,7 @@ SHIPPED = {
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
     "sedimentation": Row("sedimentation", {"N": 50}, ended(0.05)),
     "sedimentationMD": Row("sedimentationMD", {"N": 20, "W": 0.01}, ended(0.04), [("constant/particleProperties", r"N +0;", "N 1500;")]),
+    "shockLayer": Row("shockLayer", {"N": 60}, ended(4)),
     "shearDEM": Row("shearDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "siloDEM": Row("siloDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "segregationChute": Row("segregationChute", {"N": 40}, ended(1)),
