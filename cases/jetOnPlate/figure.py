@@ -9,6 +9,7 @@ import haff
 from haff.case import grains
 from haff.plot import figures, script
 from studies.checks import jets
+from studies.exact import jet
 
 TIME = 200
 found = {name: haff.Case(script.folder(sub)) for name, sub in (("gas", ""), ("grains", "grains")) if os.path.isdir(script.folder(sub, "constant", "polyMesh"))}
@@ -31,7 +32,7 @@ for (name, case), colour in zip(found.items(), figures.COLOURS):
     axes[2].plot([float(t) for t in times], [v[1] for v in values], ".-", color=colour, label=f"angle, {name}")
     speed.plot([float(t) for t in times], [v[2] for v in values], "--", color=colour, label=f"speed, {name}")
     print(f"{name}: angle and speed at {TIME} {jets.sheet(case, case.time(TIME))[1:]}", file=sys.stderr)
-axes[2].axhline(jets.perfect(2), color="0.5", label="angle, perfect fluid")
+axes[2].axhline(jet.angle(2), color="0.5", label="angle, perfect fluid")
 axes[2].set_ylim(60, 95)
 speed.set_ylim(0, 1)
 axes[2].legend(loc="upper right")
