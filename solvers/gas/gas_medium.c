@@ -115,31 +115,38 @@ static void largest_gravity(const struct setup *s, const struct case_models *m, 
 
 /* Finds the longest step that gravity allows: FALL_PART of sqrt(2 h/|g|), in which gas at rest falls through the
  * flattest cell; |g|/h is the sum of |g . A| / (2 V) over its faces. The speed of sound alone would let cold gas at
- * rest fall through many cells in its first step. Where grains rub, what pulls along an axis that the mesh lacks counts
- * as if it pulled along all others: friction holds it, with coefficients that stand still in a step. */
+ * rest fall through many cells in its first step. Where grains rub, what pulls along an axis that the mesh lacks has a
+ * limit of its own, with the mean of 1/h: friction holds it, with coefficients that stand still in a step. */
 static status find_fall(const struct setup *s, const struct case_models *models, double *out) {
     const struct spread *spread = s->spread;
     const struct polymesh *m = spread ? &spread->home.mesh : s->mesh;
     const double *area = spread ? spread->geometry.face_area : s->face_area,
                  *volume = spread ? spread->geometry.volume : s->volume;
     const struct lattice *l = s->lattice;
-    double g[3], beyond, *through = NULL, most = 0;
+    double g[3], beyond, *through = NULL, most = 0, flat = 0;
     largest_gravity(s, models, g, &beyond);
     beyond = friction_acts(models->gas.friction) ? beyond / s->dim : 0;
-    for (int k = 0; l && k < l->dim; k++) most += (fabs(g[l->axis[k]]) + beyond) / l->width[k];
+    for (int k = 0; l && k < l->dim; k++) {
+        most += fabs(g[l->axis[k]]) / l->width[k];
+        flat += beyond / l->width[k];
+    }
+    most = fmax(most, flat);
     *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
     if (l) return OK;
-    TRY(allocate(&through, m->ncells, sizeof(double), "cells"));
+    TRY(allocate(&through, 2L * m->ncells, sizeof(double), "cells"));
     for (int f = 0; f < m->nfaces; f++) {
         const double *A = area + 3L * f;
-        double part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]), square = 0;
+        double square = 0;
         for (int k = 0; k < s->dim; k++) square += A[s->axis[k]] * A[s->axis[k]];
-        part += beyond * sqrt(square);
-        through[m->owner[f]] += part;
-        if (f < m->ninternal) through[m->neighbour[f]] += part;
+        const double part[] = {fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]), beyond * sqrt(square)};
+        for (int i = 0; i < 2; i++) {
+            through[2L * m->owner[f] + i] += part[i];
+            if (f < m->ninternal) through[2L * m->neighbour[f] + i] += part[i];
+        }
     }
     for (int i = 0; i < m->ncells; i++)
-        if (!spread || spread->home.whole[i]) most = fmax(most, through[i] / (2 * volume[i]));
+        if (!spread || spread->home.whole[i])
+            most = fmax(most, fmax(through[2L * i], through[2L * i + 1]) / (2 * volume[i]));
     free(through);
     if (spread) comm_max(s->comm, &most, 1);
     *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
