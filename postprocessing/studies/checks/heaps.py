@@ -30,17 +30,17 @@ def depth_at(case, _, time, place):
     return float(depth[np.argmin(np.abs(x - place))])
 
 
-def slope(case, _, time, least):
-    """Of a straight line through the depths above `least` (m), in degrees, downwards along x."""
-    x, depth, _ = depths(case, time)
-    on = depth > least
+def slope(case, _, time, least, beside=0):
+    """Of a straight line through the depths above `least` (m), in degrees, downwards along x, further than `beside` (m) from the sides."""
+    x, depth, cell = depths(case, time)
+    on = (depth > least) & (np.minimum(x - x[0], x[-1] - x) + cell / 2 > beside)
     return float(-np.degrees(np.arctan(np.polyfit(x[on], depth[on], 1)[0])))
 
 
 def surface(case, _, time, least):
-    """That slope, to the horizontal: with the angle at which gravity leans in the axes of the case."""
+    """That slope, further than 4 mm from the sides, to the horizontal: with the angle at which gravity leans in the axes of the case."""
     gx, gy, _ = entries.get(os.path.join(case.path, "constant", "g"), "value")
-    return float(np.degrees(np.arctan2(gx, -gy))) + slope(case, None, time, least)
+    return float(np.degrees(np.arctan2(gx, -gy))) + slope(case, None, time, least, 4e-3)
 
 
 def packed_speed(case, _, time):
