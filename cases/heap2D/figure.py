@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The heap at five times: packing over a floor without friction (above) and over a rough one; prints centre of mass and energies."""
+"""The heap at five times: packing over a floor without friction (above), over a rough one, and of grains that rub; prints centre of mass and
+energies."""
 import os
 import sys
 
@@ -23,8 +24,10 @@ def numbers(name, case):
 
 
 def main(folder):
-    fig, axes = figures.panels(2, len(MOMENTS), width=9, height=1.45)
-    for row, (line, name, case) in enumerate(zip(axes, ("smooth", "rough"), (haff.Case(folder), haff.Case(os.path.join(folder, "rough"))))):
+    rows = ("smooth floor", ""), ("rough floor", "rough"), ("friction", "friction")
+    fig, axes = figures.panels(len(rows), len(MOMENTS), width=9, height=1.45)
+    for row, (line, (name, copy)) in enumerate(zip(axes, rows)):
+        case = haff.Case(os.path.join(folder, copy))
         numbers(name, case)
         order = np.lexsort(np.round(case.centres[:, :2].T, 9))
         low, high = 1e3 * case.mesh.points.min(axis=0), 1e3 * case.mesh.points.max(axis=0)
@@ -33,7 +36,7 @@ def main(folder):
             alpha = case.field("alpha", case.time(t))
             image = ax.imshow(alpha[order].reshape(-1, n), origin="lower", extent=(low[0], high[0], low[1], high[1]), vmin=0, vmax=0.64,
                               cmap="magma_r")
-            figures.label(ax, "$x$ (mm)" if row else "", f"{name} floor\n$y$ (mm)" if t == 0 else "",
+            figures.label(ax, "$x$ (mm)" if row == len(rows) - 1 else "", f"{name}\n$y$ (mm)" if t == 0 else "",
                           f"$t$ = {1e3 * t:g} ms" if not row else None)
     fig.colorbar(image, ax=axes, shrink=0.8, label=r"$\alpha$")
     script.save(fig, "heap2D")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The silo at four times, and what flows through its orifice over time beside Torricelli's law; with implicit acoustics, with explicit
-ones, and on triangles: what Allrun has made in the folders explicit and triangles (written as explicit.csv and triangles.csv, too), or
-what is kept in these tables. Prints the flow."""
+ones, on triangles, and of grains that rub: what Allrun has made in the folders explicit, triangles and friction (written as .csv files of
+these names, too), or what is kept in these tables. Prints the flow."""
 import os
 import sys
 
@@ -63,12 +63,12 @@ def main(folder):
     for moment, q, h, one in zip(t, rate, head, rate / ideal):
         print(f"{moment:.3f} s: {q:.0f} mm^2/s, head {h:.2f} mm, {one:.3f} of Torricelli's", file=sys.stderr)
     others = [(word, *flow(*kept(folder, copy, end))) for word, copy, end in
-              (("explicit", "explicit", "0.06"), ("on triangles", "triangles", "0.2"))]
+              (("explicit", "explicit", "0.06"), ("on triangles", "triangles", "0.2"), ("friction", "friction", "0.16"))]
     late = t > 0.05
     share = float((rate / ideal)[late].mean())
     ax = axes[0][-1]
     ax.plot(t, rate, label="implicit")
-    for marker, (word, middle, other, left) in zip(".+", others):
+    for marker, (word, middle, other, left) in zip(".+x", others):
         ax.plot(middle, other, marker, label=word)
         for moment, q, h in zip(middle, other, left):
             print(f"{word}, {moment:.3f} s: {q:.0f} mm^2/s, head {h:.2f} mm", file=sys.stderr)

@@ -14,8 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The part of the time in which gas at rest falls through a cell that a step may last: it falls through 4 % of it. */
-static const double FALL_PART = 0.2;
 /* The part of a period of shaking that a step may last. Steps know the mean of g(t): in their frame the floor is where
  * it should be but for (2 pi STROKE)^2/12 = 0.13 % of its amplitude. */
 static const double STROKE = 0.02;
@@ -98,54 +96,6 @@ static status gas_read(struct setup *s) {
     return OK;
 }
 
-/* Computes the largest g(t) along physical axes of the mesh (m/s^2), shaking included, and *beyond, its size along
- * those that the mesh lacks. */
-static void largest_gravity(const struct setup *s, const struct case_models *m, double out[3], double *beyond) {
-    const struct sources *q = &m->gas.source;
-    double most = fabs(q->amplitude), rest[3];
-    for (int i = 0; i < q->knots; i++) most = fmax(most, fabs(q->ramp[2 * i + 1]));
-    memcpy(rest, m->forces.gravity, sizeof rest);
-    for (int k = 0; k < 3; k++) out[k] = 0;
-    for (int k = 0; k < s->dim; k++) {
-        out[s->axis[k]] = q->gravity[k] * (1 + most);
-        rest[s->axis[k]] = 0;
-    }
-    *beyond = (1 + most) * sqrt(rest[0] * rest[0] + rest[1] * rest[1] + rest[2] * rest[2]);
-}
-
-/* Finds the longest step that gravity allows: FALL_PART of sqrt(2 h/|g|), in which gas at rest falls through the
- * flattest cell; |g|/h is the sum of |g . A| / (2 V) over its faces. The speed of sound alone would let cold gas at
- * rest fall through many cells in its first step. Where grains rub, what pulls along an axis that the mesh lacks counts
- * as if it pulled along all others: friction holds it, with coefficients that stand still in a step. */
-static status find_fall(const struct setup *s, const struct case_models *models, double *out) {
-    const struct spread *spread = s->spread;
-    const struct polymesh *m = spread ? &spread->home.mesh : s->mesh;
-    const double *area = spread ? spread->geometry.face_area : s->face_area,
-                 *volume = spread ? spread->geometry.volume : s->volume;
-    const struct lattice *l = s->lattice;
-    double g[3], beyond, *through = NULL, most = 0;
-    largest_gravity(s, models, g, &beyond);
-    beyond = friction_acts(models->gas.friction) ? beyond / s->dim : 0;
-    for (int k = 0; l && k < l->dim; k++) most += (fabs(g[l->axis[k]]) + beyond) / l->width[k];
-    *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
-    if (l) return OK;
-    TRY(allocate(&through, m->ncells, sizeof(double), "cells"));
-    for (int f = 0; f < m->nfaces; f++) {
-        const double *A = area + 3L * f;
-        double part = fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]), square = 0;
-        for (int k = 0; k < s->dim; k++) square += A[s->axis[k]] * A[s->axis[k]];
-        part += beyond * sqrt(square);
-        through[m->owner[f]] += part;
-        if (f < m->ninternal) through[m->neighbour[f]] += part;
-    }
-    for (int i = 0; i < m->ncells; i++)
-        if (!spread || spread->home.whole[i]) most = fmax(most, through[i] / (2 * volume[i]));
-    free(through);
-    if (spread) comm_max(s->comm, &most, 1);
-    *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
-    return OK;
-}
-
 /* Reads the state to start from, which says the components of the velocity. */
 static status read_initial(struct setup *s, struct gas_state *g, const struct field_place *place) {
     struct case_models *m = g->models;
@@ -185,7 +135,7 @@ static status gas_read_state(struct setup *s) {
     struct gas_state *g = of(s->medium);
     const struct gas_models *models = &g->models->gas;
     if (g->models->engine && g->models->engine->polyhedral) TRY(setup_complete(s));
-    TRY(find_fall(s, g->models, &g->fall));
+    TRY(scales_longest_fall(s, g->models, &g->fall));
     const struct share slices = share_make(s->comm, s->mesh->ncells);
     const bool sliced = s->spread || (s->lattice && !(g->models->engine && g->models->engine->polyhedral));
     const struct field_place place = {s->mesh, s->centre, s->start.t, sliced ? &slices : NULL, s->spread};

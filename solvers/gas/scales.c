@@ -14,6 +14,8 @@ static const double ROUND_OFF = 1 + 1e-12;  /* by which sums may differ on other
 static const double HEAVY = 3e4, LIGHT = 1; /* kg/m^3: osmium has 22,590, air 1.2 */
 static const double NOTICED = 0.01;         /* diameters, by which a plate must move for a grain to notice it */
 static const double STILL = 1e-6;           /* the same of the mean flow over T: less is what waves leave over */
+/* The part of the time in which gas at rest falls through a cell that a step may last: it falls through 4 % of it. */
+static const double FALL_PART = 0.2;
 
 struct scales {
     double extent[3];              /* m, of the domain */
@@ -158,6 +160,57 @@ double scales_fall(const struct setup *s, const struct sources *g) {
     polymesh_bounds(s->mesh, low, high);
     for (int k = 0; k < s->dim; k++) include_axis(g, k, high[s->axis[k]] - low[s->axis[k]], &least, &most);
     return sqrt(most);
+}
+
+/* Computes the largest g(t) along physical axes of the mesh (m/s^2), shaking included, and *beyond, its size along
+ * those that the mesh lacks. */
+static void largest_gravity(const struct setup *s, const struct case_models *m, double out[3], double *beyond) {
+    const struct sources *q = &m->gas.source;
+    double most = fabs(q->amplitude), rest[3];
+    for (int i = 0; i < q->knots; i++) most = fmax(most, fabs(q->ramp[2 * i + 1]));
+    memcpy(rest, m->forces.gravity, sizeof rest);
+    for (int k = 0; k < 3; k++) out[k] = 0;
+    for (int k = 0; k < s->dim; k++) {
+        out[s->axis[k]] = q->gravity[k] * (1 + most);
+        rest[s->axis[k]] = 0;
+    }
+    *beyond = (1 + most) * sqrt(rest[0] * rest[0] + rest[1] * rest[1] + rest[2] * rest[2]);
+}
+
+status scales_longest_fall(const struct setup *s, const struct case_models *models, double *out) {
+    const struct spread *spread = s->spread;
+    const struct polymesh *m = spread ? &spread->home.mesh : s->mesh;
+    const double *area = spread ? spread->geometry.face_area : s->face_area,
+                 *volume = spread ? spread->geometry.volume : s->volume;
+    const struct lattice *l = s->lattice;
+    double g[3], beyond, *through = NULL, most = 0, flat = 0;
+    largest_gravity(s, models, g, &beyond);
+    beyond = friction_acts(models->gas.friction) ? beyond / s->dim : 0;
+    for (int k = 0; l && k < l->dim; k++) {
+        most += fabs(g[l->axis[k]]) / l->width[k];
+        flat += beyond / l->width[k];
+    }
+    most = fmax(most, flat);
+    *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
+    if (l) return OK;
+    TRY(allocate(&through, 2L * m->ncells, sizeof(double), "cells"));
+    for (int f = 0; f < m->nfaces; f++) {
+        const double *A = area + 3L * f;
+        double square = 0;
+        for (int k = 0; k < s->dim; k++) square += A[s->axis[k]] * A[s->axis[k]];
+        const double part[] = {fabs(g[0] * A[0] + g[1] * A[1] + g[2] * A[2]), beyond * sqrt(square)};
+        for (int i = 0; i < 2; i++) {
+            through[2L * m->owner[f] + i] += part[i];
+            if (f < m->ninternal) through[2L * m->neighbour[f] + i] += part[i];
+        }
+    }
+    for (int i = 0; i < m->ncells; i++)
+        if (!spread || spread->home.whole[i])
+            most = fmax(most, fmax(through[2L * i], through[2L * i + 1]) / (2 * volume[i]));
+    free(through);
+    if (spread) comm_max(s->comm, &most, 1);
+    *out = most > 0 ? FALL_PART * sqrt(2 / most) : HUGE_VAL;
+    return OK;
 }
 
 static void include_patch(const struct patch_rules *r, int components, double *low, double *high) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Are the sizes and speeds of a start those of a granular gas? A number in other units passes every other check. */
+/* Are the sizes and speeds of a start those of a granular gas? A number in other units passes every other check. How
+ * long may a step last that gravity acts in? */
 #ifndef SOLVERS_SCALES_H
 #define SOLVERS_SCALES_H
 
@@ -29,6 +30,13 @@ status scales_forces(struct setup *s, const struct forces *f, const struct mater
 status scales_threshold(struct setup *s, const struct dict *properties, const struct material *m, double T,
                         double fastest);
 double scales_fall(const struct setup *s, const struct sources *g); /* m/s: of free fall and of the plate */
+
+/* Finds the longest step (s) that gravity allows, HUGE_VAL: any: a fifth of sqrt(2 h/|g|), in which gas at rest falls
+ * through the flattest cell; |g|/h is the sum of |g . A| / (2 V) over its faces. The speed of sound alone would let
+ * cold gas at rest fall through many cells in its first step. Where grains rub, what pulls along an axis that the mesh
+ * lacks has a limit of its own, with the mean of 1/h: friction holds it, with coefficients that stand still in a step.
+ */
+status scales_longest_fall(const struct setup *s, const struct case_models *models, double *out);
 
 /* Returns Enskog's mean free path (m) at rho: 1/(sqrt(2) pi d^2 n chi) of spheres, 1/(2 sqrt(2) d n chi) of disks, by
  * G = nu chi. */

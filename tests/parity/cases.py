@@ -96,6 +96,8 @@ SHIPPED = {
     "forwardStep": Row("forwardStep", {"N": 30}, ended(1)),
     "heap2D": Row("heap2D", {"N": 32}, ended(0.02)),
     "heapPoured": Row("heapPoured", {}, ended(0.03)),
+    "jetOnPile": Row("jetOnPile", {}, ended(0.008)),
+    "tiltedBox": Row("tiltedBox", {}, ended(0.03)),
     "heatedColumn": Row("heatedColumn", {"N": 40}, ended(10)),
     "heatedWalls": Row("heatedWalls", {"N": 20}, ended(60)),
     "hopper": Row("hopper", {"N": 24}, ended(0.02)),

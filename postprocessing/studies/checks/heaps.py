@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Quantities of expected.json for heaps and layers of packed grains: fronts, depths, slopes, velocities."""
+import os
+
 import numpy as np
+
+from haff.case import entries
 
 PACKED, MOST = 0.5, 0.64  # packing that counts as packed; of a bed
 
@@ -26,11 +30,17 @@ def depth_at(case, _, time, place):
     return float(depth[np.argmin(np.abs(x - place))])
 
 
-def slope(case, _, time, least):
-    """Of a straight line through the depths above `least` (m), in degrees, downwards along x."""
-    x, depth, _ = depths(case, time)
-    on = depth > least
+def slope(case, _, time, least, beside=0):
+    """Of a straight line through the depths above `least` (m), in degrees, downwards along x, further than `beside` (m) from the sides."""
+    x, depth, cell = depths(case, time)
+    on = (depth > least) & (np.minimum(x - x[0], x[-1] - x) + cell / 2 > beside)
     return float(-np.degrees(np.arctan(np.polyfit(x[on], depth[on], 1)[0])))
+
+
+def surface(case, _, time, least):
+    """That slope, further than 4 mm from the sides, to the horizontal: with the angle at which gravity leans in the axes of the case."""
+    gx, gy, _ = entries.get(os.path.join(case.path, "constant", "g"), "value")
+    return float(np.degrees(np.arctan2(gx, -gy))) + slope(case, None, time, least, 4e-3)
 
 
 def packed_speed(case, _, time):
@@ -66,6 +76,7 @@ QUANTITIES = {
     "run-out over the width": run_out,
     "depth at x": depth_at,
     "slope above that depth": slope,
+    "slope of the surface to the horizontal": surface,
     "slope from 4 to 18 mm": lambda case, field, time: slope_between(case, field, time, (0.004, 0.018)),
     "outflow over a span": outflow,
     "speed of packed gas": packed_speed,

@@ -100,6 +100,51 @@ class Friction(harness.Folder, unittest.TestCase):
         exact = 2 / 3 * inertia / D * math.sqrt(0.64 * G * math.cos(a)) * (depth ** 1.5 - (depth - y) ** 1.5)
         np.testing.assert_allclose(u[:10], exact, rtol=0.03)
 
+    def test_warning(self):
+        """A bed that comes to rest without friction is warned of, with the cure; one with friction is not."""
+        for friction in ("", "type muI;"):
+            case = bed(f"{self.folder}/warned{friction != ''}", (1, 20, 1), "y < 0.015 ? 0.6 : 1e-6", (0.0, -G, 0.0), 2.0, friction=friction)
+            log = solve(case)[1]
+            self.assertEqual(bool(re.search(r"granularProperties:1: .*without  friction \{ type muI; \}  a heap goes flat.*\[noFriction\]", log)), not friction)
+
+    # ---- a silo at rest ----
+
+    def silo(self, name, end, gravity_rises=0):
+        """Grains 6 widths deep between walls of muWall 0.3: the floor's share of the weight, depths, pressures."""
+        width, depth = 6, 36
+        functions = "functions { floor { type forces; patches (yLow); CofR (0 0 0); writeControl timeStep; writeInterval 20; } }\n"
+        case = bed(os.path.join(self.folder, name), (width, depth + 4, 1), f"y < {depth * D} ? 0.63 : 1e-6", (0.0, -G, 0.0), end)
+        replace(case, "0.orig/U", "noSlip", "slip")
+        replace(case, "0.orig/U", '"x.*" { type slip; }', '"x.*" { type frictionalSlip; muWall 0.3; }')
+        runs.add(case, "system/controlDict", functions + "acceptWarnings (faintShaking);\n")
+        if gravity_rises:
+            rises = f"type sinusoidal; amplitude table ((0 0.999) ({gravity_rises} 0)); frequency 1e-6; phase {math.pi!r};\n"
+            harness.write_dictionary(case, "constant", "shaking", rises)
+        result, _ = solve(case)
+        with open(os.path.join(case, "postProcessing", "floor", "0", "force.dat")) as f:
+            force = -float(f.read().splitlines()[-1].split("(")[1].split()[1])
+        p, y = (v.reshape(-1, width).mean(axis=1) for v in (result.field("p"), result.centres[:, 1]))
+        column = result.field("rho").sum() / width * D
+        return force / ((result.field("rho") * result.volumes).sum() * G), column / 2600 / 0.64 - y, p
+
+    def test_janssen(self):
+        """Walls bear weight as far as grains settle along them. Where gravity rises slowly they bear what Janssen's law says with the ratio
+        K = 0.8 of horizontal to vertical stress; grains that are laid at once fall and spring back, and less is left to the walls."""
+        share, depth, p = self.silo("slow", 0.5, gravity_rises=0.4)
+        low, high = 0.3, 2.0
+        for _ in range(50):
+            K = (low + high) / 2
+            x = 2 * 0.3 * K * 6
+            low, high = (K, high) if (1 - math.exp(-x)) / x > share else (low, K)
+        within = (depth > 5 * D) & (depth < 33 * D)
+        scale = 6 * D / (2 * 0.3 * K)
+        exact = (1 + K) / 2 * 2600 * 0.64 * G * scale * (1 - np.exp(-depth[within] / scale))  # the mean of both stresses
+        laid = self.silo("laid", 0.2)[0]
+        self.assertAlmostEqual(K, 0.8, delta=0.08)
+        np.testing.assert_allclose(p[within], exact, rtol=0.1)
+        self.assertGreater(laid, 1.3 * share)
+        self.assertLess(laid, 0.7)
+
     # ---- a heap ----
 
     def test_heap(self):

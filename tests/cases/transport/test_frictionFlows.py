@@ -2,11 +2,12 @@
 """Steady flows of packed gas with friction mu(I) on lines of cells, against the exact solution of the law: down a rough slope
 (Bagnold), in a vertical chute, and below a lid that moves. tau is known at each depth, so mu(I) = tau/p gives the shear rate."""
 import os
+import re
 import unittest
 
 import numpy as np
 
-from tests.cases import harness
+from tests.cases import harness, runs
 
 boxes = harness.boxes
 SIGMA, MU_S, MU_2, I_0 = 0.04, 0.38, 0.64, 0.279  # the grains have density 1
@@ -27,18 +28,20 @@ def profile(height, tau, p):
 
 
 class FrictionFlows(harness.Folder, unittest.TestCase):
-    def case(self, name, axis, cells, length, p, gravity, walls, end, functions=""):
+    def case(self, name, axis, cells, length, p, gravity, walls, end, functions="", adjust="no", engine=""):
         """Gas of uniform density at rest. walls: the rules of U at both ends of the line."""
         n, size, a = [1, 1, 1], [1.0, 1.0, 1.0], "xyz"[axis]
         n[axis], size[axis] = cells, length
         place = boxes.centres(n, size)[:, axis]
         still = np.zeros((cells, 3))
         case = harness.box_case(os.path.join(self.folder, f"{name}{cells}"), n, size, RHO + 0 * place, still, p(place), end, types={a: "wall"},
-                                eos="TorquatoSpheres", gravity=gravity, adjust="no", step=0.02)
+                                eos="TorquatoSpheres", gravity=gravity, adjust=adjust, step=0.02)
         empty = "\n".join(f"{b}Empty empty" for b in "xyz" if b != a)
         boxes.write_field(case, "U", still, f"{a}Low {walls[0]}\n{a}High {walls[1]}\n{empty}")
         boxes.write_dictionary(case, "constant", "granularProperties", GRAIN + "restitution 1; }\nequationOfState TorquatoSpheres;\n"
                                "cooling none;\nfriction { type muI; }\n")
+        if engine:
+            runs.add(case, "system/fvSchemes", f"polyReconstruct linear; meshEngine {engine};\n")
         self.finish(case, functions)
         return harness.haff.Case(case)
 
@@ -46,7 +49,8 @@ class FrictionFlows(harness.Folder, unittest.TestCase):
         boxes.write_dictionary(case, "system", "fvSolution", "acoustics { type implicit; }\n")
         with open(os.path.join(case, "system", "controlDict"), "a") as f:
             f.write("acceptWarnings (largeGrains);\n" + functions)
-        harness.program("granularGas", "-case", case)
+        with open(os.path.join(case, "log"), "w") as f:
+            f.write(harness.program("granularGas", "-case", case).stdout)
 
     def slope(self, degrees, cells):
         """A layer of depth 1 at packing 0.61, which starts near its speed, and what the law says of its own pressures."""
@@ -103,6 +107,16 @@ class FrictionFlows(harness.Folder, unittest.TestCase):
             self.assertLess(np.ptp(u[plug]), 1e-8 * u.max())
         self.assertLess(errors[1], 0.01)
         self.assertGreater(errors[0] / errors[1], 3)
+
+    def test_steps_along_an_axis_without_cells(self):
+        """dt is limited by gravity along it as along the others: 0.2 sqrt(2 h/g), half of it in a bed; on both engines."""
+        for engine in ("lattice", "polyhedral"):
+            with self.subTest(engine):
+                walls = ("noSlip", "noSlip")
+                result = self.case(engine, 0, 16, 2.0, lambda x: 1 + 0 * x, (0.0, 1.0, 0.0), walls, 1.0, adjust="yes", engine=engine)
+                with open(os.path.join(result.path, "log")) as f:
+                    steps = re.findall(r"deltaT = (\S+) \(limited by: free fall\)", f.read())
+                self.assertAlmostEqual(float(steps[-1]), 0.1 * np.sqrt(2 * 0.125), places=6)
 
     def test_weak_chute(self):
         """Where the stress at the walls is below mu_s p nothing flows."""

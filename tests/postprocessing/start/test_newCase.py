@@ -317,6 +317,16 @@ class NewCase(harness.Folder, unittest.TestCase):
         self.assertLess(abs(heights[1] - heights[0]), 0.02 * entries.get(os.path.join(case, "constant", "granularProperties"), "grain/diameter"))
         self.assertEqual(entries.get(os.path.join(case, "constant", "g"), "value"), [0, -9.81, 0])
 
+    def test_friction(self):
+        """A bed on a floor under gravity rubs, and newCase says so; without gravity, shaken, or of hard grains nothing rests."""
+        floor = ["-box", "1x1", "-cells", "8x8", "-gravity", "9.81"]
+        for words, rubs in (([], True), (["-shaking", "2.5,0.1"], False), (["-application", "granularMD"], False)):
+            case, said = self.new(*floor, *words)
+            with open(os.path.join(case, "constant", "granularProperties")) as f:
+                self.assertEqual("friction" in f.read(), rubs)
+            self.assertEqual("friction glass beads, friction { type muI; } in constant/granularProperties" in said, rubs)
+        self.assertNotIn("friction", self.new("-box", "1x1", "-cells", "8x8")[1])
+
     def test_gravity(self):
         """A number is downwards whatever its sign, and the message says so; two numbers are a vector of the plane; upwards is warned of."""
         for words, value, says in (("-9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\): the magnitude of -9.81, downwards"), ("9.81", [0, -9.81, 0], r"gravity +\(0 -9.81 0\)\n"),

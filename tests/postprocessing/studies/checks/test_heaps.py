@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Quantities of heaps: fronts, depths, slopes and velocities of fields that are known."""
+import os
+import tempfile
 import unittest
 
 import numpy as np
@@ -33,6 +35,14 @@ class Heaps(unittest.TestCase):
 
     def test_slope(self):
         self.assertAlmostEqual(heaps.slope(self.case, None, 0, 1e-3), np.degrees(np.arctan(0.5)), places=6)
+
+    def test_surface(self):
+        """Gravity leans by 10 degrees along x."""
+        with tempfile.TemporaryDirectory() as self.case.path:
+            os.mkdir(os.path.join(self.case.path, "constant"))
+            with open(os.path.join(self.case.path, "constant", "g"), "w") as f:
+                f.write(f"value ({np.sin(np.pi / 18)!r} {-np.cos(np.pi / 18)!r} 0);\n")
+            self.assertAlmostEqual(heaps.surface(self.case, None, 0, 1e-3), 10 + np.degrees(np.arctan(0.5)), places=6)
 
     def test_run_out(self):
         """The depth is 1 mm at x = 18.48 mm: the last column that is a cell deep ends at 18 mm."""
