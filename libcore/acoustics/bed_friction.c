@@ -550,8 +550,8 @@ double bed_warms(const struct bed *b, double dt, int i, double *const *end, doub
         if (!bed_rubs_at(b, s.face)) continue;
         for (int k = 0; k < b->components; k++) {
             const double mine = 0.5 * (x->u[k][i] + end[k][i]);
-            const double slips = other < 0 ? b->set.wall_speed[k][s.face] - mine
-                                           : 0.5 * (0.5 * (x->u[k][other] + end[k][other]) - mine);
+            const double slips =
+                other < 0 ? b->set.wall_speed[k][s.face] - mine : 0.5 * (0.5 * (x->u[k][other] + end[k][other]) - mine);
             sum += s.sign * area * x->traction[k][s.face] * slips;
         }
     }

@@ -38,7 +38,8 @@ static void friction_material(struct problem *p, struct seed *s) {
         p->eos = eos_find(seed_below(s, 3) ? "GoldshteinShapiro" : "VescoviSpheres");
         p->material.tangent = false;
         model_defaults(&p->eos->model, &p->material);
-        if (p->eos->packing && p->material.alpha_max == 0) p->material.alpha_max = p->eos->packing(p->material.friction);
+        if (p->eos->packing && p->material.alpha_max == 0)
+            p->material.alpha_max = p->eos->packing(p->material.friction);
         p->densest = (1 - seed_power(s, -4, -0.5)) * p->material.alpha_max;
     }
     p->material.restitution = kind == 0 ? 1 : e;
@@ -99,7 +100,8 @@ static void friction_walls(struct problem *p, struct seed *s, double fall) {
         const bool moves = seed_below(s, 3) == 0 && (p->dim > 1 || p->components > 1) && kind != 1;
         const double mu = seed_uniform(s, -0.3, 1), speed = fall * seed_power(s, -1.5, 0.5), sign = seed_sign(s),
                      e = seed_uniform(s, 0, 1), phi = seed_uniform(s, 0, 1);
-        *w = (struct wall){.velocity = kinds[kind], .temperature = "zeroGradient", .specularity = phi, .restitution = e};
+        *w =
+            (struct wall){.velocity = kinds[kind], .temperature = "zeroGradient", .specularity = phi, .restitution = e};
         w->mu = mu >= 0 || kind == 2 ? larger(mu, 0) : -1; /* else rough */
         if (moves && kind > 1) w->along = sign * speed;
         if (kind == 4)
@@ -115,10 +117,9 @@ static double friction_bed(struct problem *p, struct seed *s) {
                  above = seed_power(s, -6, 0), cold = seed_power(s, -4, 0);
     const bool loose = seed_below(s, 2);
     p->size = seed_uniform(s, 0.2, 0.8);
-    p->side[0] = (struct point){.alpha = (loose ? flat : 1 - gap) * smaller(p->densest, p->material.alpha_max),
-                                .p = p->p0};
-    p->side[1] =
-        (struct point){.alpha = larger(thin * p->side[0].alpha, 1.01 * p->alpha_floor), .p = above * p->p0};
+    p->side[0] =
+        (struct point){.alpha = (loose ? flat : 1 - gap) * smaller(p->densest, p->material.alpha_max), .p = p->p0};
+    p->side[1] = (struct point){.alpha = larger(thin * p->side[0].alpha, 1.01 * p->alpha_floor), .p = above * p->p0};
     p->wave[1][1] = seed_below(s, 2) ? 1 : cold; /* pressure over that which carries the bed */
     return p->p0 / (problem_density(p, p->side[0].alpha) * p->size);
 }

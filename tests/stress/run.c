@@ -333,16 +333,8 @@ static double booked(const struct gas_budget *b) {
  * acoustics and remap round it about ten times each in a step. */
 enum { BED_ROUNDINGS = 256 };
 /* Stress is elastic below its yield: what friction gives back it took before, but for that. */
-#define MOST_RUBBED 1e-3
+#define MOST_RUBBED 0.1
 static const char *const conserved_name[CONSERVED] = {"mass", "momentum", "energy"};
-
-/* Returns the momentum along an axis that its balance is compared with: the largest, and what causes booked. */
-static double pushes(const struct gas_budget *b, const struct watch *w, int k) {
-    double sum = fabs(b->given[k]) + (double)w->budget.magnitude[1];
-    for (int i = 0; i < source_count; i++) sum += fabs(b->pushed[i][k]);
-    for (int i = 0; i < GAS_EDGES; i++) sum += fabs(b->through[i][k]);
-    return sum;
-}
 
 /* Of cells whose faces are not plane, the weight on the faces is not quite that of the cell. */
 static bool is_warped(const struct problem *p) {
@@ -361,13 +353,13 @@ static void judge_bed(const struct scene *s, const struct watch *w, struct outco
     }
     const long double mass = w->budget.now[0] - w->budget.start[0] - b.filled - b.flowed;
     double strayed = 0;
-    for (int k = 0; k < s->gas->components; k++) strayed = larger(strayed, fabs(b.strayed[k]) / pushes(&b, w, k));
-    out->relative[MOMENTUM] = strayed;
+    for (int k = 0; k < s->gas->components; k++) strayed = larger(strayed, fabs(b.strayed[k]));
+    out->relative[MOMENTUM] = (double)(strayed / w->budget.magnitude[1]);
     const double steps = BED_ROUNDINGS * EPS * (out->steps + 1.), scale = larger((double)w->budget.largest, booked(&b));
     out->relative[MASS] = (double)(fabsl(mass) / w->budget.start[0]);
     out->relative[ENERGY] = fabs(b.lost[1]) / scale;
     out->drift[MASS] = out->relative[MASS] / smaller(steps, 1e-12);
-    out->drift[MOMENTUM] = strayed / steps;
+    out->drift[MOMENTUM] = (double)(strayed / (BED_ROUNDINGS * EPS * w->budget.rounding[1]));
     out->drift[ENERGY] = out->relative[ENERGY] / steps;
     for (int q = 0; q < CONSERVED; q++) {
         if (out->drift[q] <= 1 || (q == MOMENTUM && is_warped(s->problem))) continue;

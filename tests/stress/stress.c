@@ -108,7 +108,8 @@ static void print_friction(const struct problem *p, const struct outcome *o) {
            " %d components, walls",
            p->friction->model.name, f->mu_static, f->mu_dynamic, f->I0, f->alpha_friction, f->alpha_solid, f->modulus,
            f->cohesion, f->surface_cohesion, f->heating, o->rubbed, p->components ? p->components : p->dim);
-    for (int i = 0; i < 2 * p->dim; i++) printf(" (%s %.2g %.2g)", p->wall[i].velocity, p->wall[i].mu, p->wall[i].along);
+    for (int i = 0; i < 2 * p->dim; i++)
+        printf(" (%s %.2g %.2g)", p->wall[i].velocity, p->wall[i].mu, p->wall[i].along);
     printf("\n");
 }
 
@@ -127,7 +128,8 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
            p->edge == CLOSED     ? "closed"
            : p->edge == PERIODIC ? "periodic"
                                  : "open",
-           p->dim, !p->polyhedral                             ? "lattice"
+           p->dim,
+           !p->polyhedral                              ? "lattice"
            : p->shape == TRIANGLES || p->shape == TETS ? "simplices"
                                                        : "boxes");
     if (p->acoustics)
