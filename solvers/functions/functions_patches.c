@@ -121,14 +121,14 @@ status patches_sum(const struct function *f, const struct patch_choice *c, patch
 
 struct lever { /* context of add_force */
     const double *centre;
-    const struct round *round;
+    const struct revolution *round;
     double pressure;
 };
 
 /* Makes of the force on a face of a body of revolution the one on its ring: it keeps the axial component, which acts on
  * the axis, and has a moment about the axis, which is returned. */
 static double take_ring(const struct lever *l, const double place[3], double arm[3], double force[3]) {
-    const struct round *r = l->round;
+    const struct revolution *r = l->round;
     const int third = 3 - r->axial - r->radial;
     const double swing = (place[r->radial] - r->at) * force[third];
     arm[r->radial] = r->at - l->centre[r->radial];
