@@ -12,9 +12,9 @@ import subprocess
 import tempfile
 import unittest
 
-from tests.cases import harness
 import numpy as np
 
+from tests.cases import harness
 from tests.cases.harness import boxes
 
 SOURCE = harness.SOURCE
