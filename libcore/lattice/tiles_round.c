@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bodies of revolution on a lattice of (axial, radial) or of radial cells (struct round of mesh/format/polymesh.h;
- * docs/physics.md 5.9). Fluxes are those of plane flow; what differs is how a cell adds them up:
+/* Bodies of revolution on a lattice of (axial, radial) or of radial cells (struct revolution of mesh/format/polymesh.h;
+ * docs/physics.md 1.4). Fluxes are those of plane flow; what differs is how a cell adds them up:
  *   rho, E, axial momentum    -d(r F)/(r dr)             conserved: areas r -+ h/2 and volume r h are exact
  *   radial momentum           -dF/dr - rho u_r^2/r       F holds p, whose part in d(r p)/(r dr) - p/r is dp/dr
  *   with swirl, further       + rho u_s^2/r

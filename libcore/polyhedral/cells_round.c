@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The pressure of bodies of revolution on polyhedra (struct polyhedra_round; docs/physics.md 5.9). Areas and volumes
+/* The pressure of bodies of revolution on polyhedra (struct polyhedra_round; docs/physics.md 1.4). Areas and volumes
  * have the weight r, so that the fluxes through the faces of a cell leave the force of the pressure on its sides along
  * the radius: p A_2/V, A_2 the area of the cell in the plane, p its mean there. A_2 is taken as the sum over the faces
  * of area times normal, which is the same: uniform p is in balance to round-off. The mean is that of a linear p, whose

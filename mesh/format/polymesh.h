@@ -35,15 +35,16 @@ struct outline {
     double **face;          /* [patches][faces][6] its centre (m) and area vector (m^2) */
     struct sites *sites;    /* of a mesh that is a lattice: where its cells lie; else NULL */
 };
-/* The body of revolution that a mesh in a plane of (axial, radial) cells, or one of radial cells, stands for. */
-struct round {
+/* The body of revolution that a mesh in a plane of (axial, radial) cells, or one of radial cells, stands for
+ * (docs/physics.md 1.4). */
+struct revolution {
     bool on;           /* else the mesh is what it is, and the rest is 0 */
     int axial, radial; /* physical axes (0 x, 1 y, 2 z) */
     double at, depth;  /* m: where the axis lies along `radial`; the extent of the mesh along the third axis */
 };
 /* Returns by how much an area or a volume of the mesh with the centre x (m) is larger in a full turn: exact, by
  * Pappus's theorem. */
-static inline double round_turn(const struct round *r, const double x[3]) {
+static inline double round_turn(const struct revolution *r, const double x[3]) {
     return r->on ? 6.283185307179586477 * (x[r->radial] - r->at) / r->depth : 1;
 }
 struct polymesh {
@@ -58,7 +59,7 @@ struct polymesh {
     struct patch *patch; /* [npatches] */
     struct boxes *boxes; /* NULL: the mesh was read from a polyMesh */
     struct outline *outline; /* NULL: the arrays are here, or those of boxes */
-    struct round round;      /* set by who reads the case */
+    struct revolution round; /* set by who reads the case */
 };
 void polymesh_free(struct polymesh *m);
 

@@ -118,7 +118,7 @@ static status make_blocks(struct forest *f, const struct lattice *l) {
 }
 
 /* Takes the radii of a body of revolution. A lattice lies within its tolerance of the grid, and so does the axis. */
-static void describe_round(struct forest *f, const struct round *r) {
+static void describe_round(struct forest *f, const struct revolution *r) {
     f->radial = -1;
     for (int k = 0; k < f->dim && r->on; k++)
         if (f->axis[k] == r->radial) f->radial = k;

@@ -41,7 +41,7 @@ struct forest {
     double width[3];  /* m */
     double origin[3]; /* m */
     double volume;    /* m^3, of one cell, with the thickness of empty axes; if round, m^2: times the cell's radius */
-    int radial;       /* computational axis along the radius; -1: the mesh is not round (struct round) */
+    int radial;       /* computational axis along the radius; -1: the mesh is not round (struct revolution) */
     double inner;     /* m: radius of the origin; 0 on the axis, to the bit */
     /* memory layout of one variable of one tile, the same for all: cell (i, j, k), ghosts at -GHOSTS and n .. n+2 */
     long stride[3]; /* doubles: stride[0] = 1; rows are padded so that `first` and stride[1] are multiples of 8 */

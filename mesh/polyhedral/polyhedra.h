@@ -56,10 +56,10 @@ struct polyhedra_mirrors {
     double *normal[3];     /* [dim][n] unit, out of the cell; the frame is the face's */
     double *tangent[2][3]; /* [dim - 1][dim][n] */
 };
-/* Of a body of revolution (struct round of mesh/format/polymesh.h). Averages over cells and faces are weighted by the
- * radius r, exactly: volumes are the integrals of r over the cells in the plane, areas those over the faces, centres,
- * moments and points of faces those of that weight; `thickness` is that of a full turn. A face on the axis has an area
- * so small that it counts nothing, and a normal. */
+/* Of a body of revolution (struct revolution of mesh/format/polymesh.h). Averages over cells and faces are weighted by
+ * the radius r, exactly: volumes are the integrals of r over the cells in the plane, areas those over the faces,
+ * centres, moments and points of faces those of that weight; `thickness` is that of a full turn. A face on the axis has
+ * an area so small that it counts nothing, and a normal. */
 struct polyhedra_round {
     int radial;     /* computational axis along the radius */
     double at;      /* m: where the axis lies along it */

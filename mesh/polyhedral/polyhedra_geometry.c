@@ -49,8 +49,9 @@ static int moment_of(int dim, int a, int b) {
     return a * dim - a * (a - 1) / 2 + b - a;
 }
 
-/* Does what add_simplex does, with the weight r = r_0 + x_r. With Q_ab = sum_i v_ia v_ib, C_abc = sum_i v_ia v_ib v_ic
- *   int x_a x_b x_c = V (S_a S_b S_c + S_a Q_bc + S_b Q_ac + S_c Q_ab + 2 C_abc) / ((d + 1) (d + 2) (d + 3)). */
+/* Does what add_simplex does, with the weight r = r_0 + x_r of a body of revolution (docs/physics.md 1.4). With Q_ab =
+ * sum_i v_ia v_ib, C_abc = sum_i v_ia v_ib v_ic int x_a x_b x_c = V (S_a S_b S_c + S_a Q_bc + S_b Q_ac + S_c Q_ab + 2
+ * C_abc) / ((d + 1) (d + 2) (d + 3)). */
 static void add_round_simplex(struct shape *s, const double v[3][3], double volume) {
     const int d = s->dim, r = s->radial;
     const double r0 = s->origin[r] - s->at, third = volume / ((d + 1) * (d + 2) * (d + 3));

@@ -6,7 +6,6 @@
 
 #include "solvers/case/blockmesh.h"
 #include "solvers/case/changes.h"
-#include "solvers/case/round.h"
 
 #include <limits.h>
 #include <math.h>

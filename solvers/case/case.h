@@ -23,7 +23,7 @@ struct setup { /* the same on every rank, but for the grid */
     struct control *control;
     struct warnings warnings;
     struct polymesh *mesh;
-    struct dict *mesh_dict;    /* system/meshDict (round.h); NULL: there is none */
+    struct dict *mesh_dict;    /* system/meshDict; NULL: there is none */
     char mesh_path[TIME_PATH]; /* of the folder or file that says it */
     struct spread *spread;     /* of a mesh that is spread over the ranks, until setup_release; else NULL */
     /* [ncells][3] m, [ncells] m^3: of the cells. On lattices, and of a mesh that is spread, they are there after
@@ -80,6 +80,18 @@ status case_make_folders(const struct setup *s, const char *path); /* the same, 
 status case_table(const struct setup *s, const char *owner, const char *folder, const char *file, FILE **out);
 /* Ends a row of such a file and hands it to the system; fails if that has no room for it. */
 status case_end_row(const char *owner, FILE *file);
+
+/* ---- bodies of revolution (solvers/case/round.c; docs/physics.md 1.4) ---- */
+
+/* Reads `axis { origin (0 0 0); direction (1 0 0); }` of system/meshDict: sets s->mesh->round and s->mesh_dict, behind
+ * the axes of the mesh. Refuses, by line, an axis that is none of the mesh: oblique, of 3D cells, across the plane; and
+ * a mesh across it or below it, cyclic across the radius, or with another patch than a symmetry plane on it. */
+status round_read(struct setup *s);
+/* Returns the error of `what`, which the solver does not know in round flow; cure: what to do. */
+status round_refuse(const struct setup *s, const char *what, const char *cure);
+struct keywords;
+void round_keywords(struct keywords *k);
+
 /* Returns about how many bytes a run needs on all ranks together. */
 double case_memory(const struct setup *s);
 

@@ -76,7 +76,7 @@ struct medium_type {
     bool whole;        /* does it read arrays of all cells and faces of the mesh (setup_complete)? */
     bool starts;       /* does -np N go to a program that it starts? It then runs on one rank itself */
     bool slabs;        /* are its cells dealt to the ranks by itself, and not as the grid's blocks are? */
-    bool round;        /* does it know bodies of revolution (round.h)? */
+    bool round;        /* does it know bodies of revolution (docs/physics.md 1.4)? */
     bool event_driven; /* a step is no sweep over the cells: no Courant number, no steps per second */
 
     /* The set-up, called in this order; collective. read makes s->medium from the dictionaries, which it names in

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads the axis of a body of revolution (round.h), and checks that the mesh lies beside it. */
-#include "solvers/case/round.h"
-
+/* Reads the axis of a body of revolution (docs/physics.md 1.4), and checks that the mesh lies beside it. */
+#include "solvers/case/case.h"
+#include "solvers/dict/keywords.h"
 #include "solvers/dict/params.h"
 
 #include <math.h>
@@ -24,6 +24,8 @@ static const struct param file_param[] = {
     NOTED("axis", "dictionary", "none: the mesh is what it is",
           "the mesh of (axial, radial) or radial cells stands for the body of revolution about that axis",
           "axis { direction (1 0 0); }"),
+    IGNORED("patches", "for gmshToCase"),
+    IGNORED("thickness", "for gmshToCase"),
 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
@@ -42,7 +44,7 @@ static bool is_solved(const struct setup *s, int x) {
 }
 
 /* Finds axial and radial axis. */
-static status find_axes(const struct setup *s, const struct dict *d, const double direction[3], struct round *r) {
+static status find_axes(const struct setup *s, const struct dict *d, const double direction[3], struct revolution *r) {
     const double size = sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
     r->axial = r->radial = -1;
     for (int x = 0; x < 3; x++)
@@ -65,7 +67,7 @@ static status find_axes(const struct setup *s, const struct dict *d, const doubl
 }
 
 /* Checks a face of a patch against the axis. */
-static status check_face(const struct setup *s, const struct dict *d, const struct round *r, double near,
+static status check_face(const struct setup *s, const struct dict *d, const struct revolution *r, double near,
                          const struct patch *p, const double centre[3], const double area[3]) {
     const double size = sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
     (void)s;
@@ -82,7 +84,7 @@ static status check_face(const struct setup *s, const struct dict *d, const stru
     return OK;
 }
 
-static status check_mesh(const struct setup *s, const struct dict *d, struct round *r) {
+static status check_mesh(const struct setup *s, const struct dict *d, struct revolution *r) {
     const struct polymesh *m = s->mesh;
     double low[3], high[3], centre[3], area[3];
     polymesh_bounds(m, low, high);
@@ -113,19 +115,20 @@ status round_read(struct setup *s) {
     char path[TIME_PATH + 32], zipped[TIME_PATH + 40];
     struct dict *d;
     struct axis_entry entry = {.origin = {0}};
-    struct round r = {.on = true};
+    struct revolution r = {.on = true};
     snprintf(path, sizeof path, "%s/system/meshDict", s->dir);
     snprintf(zipped, sizeof zipped, "%s.gz", path);
     if (access(path, F_OK) && access(zipped, F_OK)) return OK;
     TRY(dict_read(path, &s->mesh_dict));
+    TRY(params_read(s->mesh_dict, file_param, COUNT(file_param), NULL));
     TRY(dict_sub_optional(s->mesh_dict, "axis", &d));
-    if (!d) return OK;
+    if (!d) return dict_check_used(s->mesh_dict);
     TRY(params_read(d, axis_param, COUNT(axis_param), &entry));
     TRY(find_axes(s, d, entry.direction, &r));
     r.at = entry.origin[r.radial];
     TRY(check_mesh(s, d, &r));
     s->mesh->round = r;
-    return dict_check_used(d);
+    return dict_check_used(s->mesh_dict);
 }
 
 status round_refuse(const struct setup *s, const char *what, const char *cure) {

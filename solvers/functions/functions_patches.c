@@ -121,8 +121,20 @@ status patches_sum(const struct function *f, const struct patch_choice *c, patch
 
 struct lever { /* context of add_force */
     const double *centre;
+    const struct revolution *round;
     double pressure;
 };
+
+/* Makes of the force on a face of a body of revolution the one on its ring: it keeps the axial component, which acts on
+ * the axis, and has a moment about the axis, which is returned. */
+static double take_ring(const struct lever *l, const double place[3], double arm[3], double force[3]) {
+    const struct revolution *r = l->round;
+    const int third = 3 - r->axial - r->radial;
+    const double swing = (place[r->radial] - r->at) * force[third];
+    arm[r->radial] = r->at - l->centre[r->radial];
+    force[r->radial] = force[third] = 0;
+    return (r->axial + 1) % 3 == r->radial ? swing : -swing;
+}
 
 static void add_force(const void *lever, const struct crossing *face, double *sum) {
     const struct lever *l = lever;
@@ -132,6 +144,8 @@ static void add_force(const void *lever, const struct crossing *face, double *su
         part[PRESSURE][k] = face->pressure[k] - l->pressure * face->area * face->normal[k];
         part[VISCOUS][k] = face->viscous[k];
     }
+    for (int i = 0; i < FORCE_PARTS && l->round->on; i++)
+        sum[6 + 3 * i + l->round->axial] += take_ring(l, face->centre, arm, part[i]);
     for (int i = 0; i < FORCE_PARTS; i++)
         for (int k = 0; k < 3; k++) {
             const int next = (k + 1) % 3, last = (k + 2) % 3;
@@ -143,7 +157,7 @@ static void add_force(const void *lever, const struct crossing *face, double *su
 status patches_force(const struct function *f, const struct patch_choice *c, const double centre[3], double pressure,
                      struct force *out) {
     double sum[PATCH_SUMS];
-    TRY(patches_sum(f, c, add_force, &(struct lever){centre, pressure}, 12, sum));
+    TRY(patches_sum(f, c, add_force, &(struct lever){centre, &f->setup->mesh->round, pressure}, 12, sum));
     memcpy(out->force, sum, sizeof out->force);
     memcpy(out->moment, sum + 6, sizeof out->moment);
     return OK;

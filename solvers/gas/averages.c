@@ -72,7 +72,7 @@ static void add_states(struct averager *a) {
 }
 
 /* Weighs the points of a cell by their radius in a body of revolution. */
-static void weigh_round(const struct round *r, int n, double (*x)[3], double *weight) {
+static void weigh_round(const struct revolution *r, int n, double (*x)[3], double *weight) {
     double sum = 0;
     if (!r->on) return;
     for (int i = 0; i < n; i++) sum += weight[i] *= x[i][r->radial] - r->at;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The granular gas as the medium (medium.h) of granularGas. */
-#include "solvers/case/round.h"
 #include "solvers/gas/initial.h"
 #include "solvers/gas/limiter.h"
 #include "solvers/gas/models.h"
@@ -51,39 +50,13 @@ static status gas_check_control(const struct medium *m, const struct control *c)
     return dict_fail(c->dict, "maxCo", "timeScheme %s allows %g at most", stepper->model.name, stepper->courant);
 }
 
-/* Refuses what is not there in round flow; acoustics are explicit there. */
-static status check_round(const struct setup *s, struct case_models *m) {
-    const struct round *r = &s->mesh->round;
-    const bool disks = m->gas.material.disks;
-    bool moved[3];
-    models_move(m, moved);
-    if (disks)
-        return dict_fail(m->properties, "equationOfState",
-                         "%s is for disks, which move in a plane, but `axis` of "
-                         "system/meshDict makes a body of revolution of the mesh: choose spheres",
-                         m->gas.eos->model.name);
-    for (int x = 0; x < 3; x++)
-        if (moved[x] && x != r->axial)
-            return round_refuse(s, "gravity, or another source, across the axis",
-                                "it would not be the same all around; let it act along the axis");
-    if (m->gas.transport) return round_refuse(s, "transport", "say  transport none;  in constant/granularProperties");
-    if (source_needs(&m->gas.source, &m->gas.material) & NEEDS_SHEAR_RATE)
-        return round_refuse(s, "a cooling law of the shear rate", "choose another one");
-    if (gas_rubs(&m->gas)) return round_refuse(s, "friction", "say  friction none;  in constant/granularProperties");
-    if (m->gas.ncarried) return round_refuse(s, "`carried`", "take it out of constant/granularProperties");
-    if (m->gas.acoustics && m->gas.acoustics->implicit && !m->gas.acoustics->automatic)
-        return round_refuse(s, "acoustics implicit", "say  acoustics { type explicit; }  in system/fvSolution");
-    m->gas.acoustics = model_find(acoustics_table, sizeof *acoustics_table, acoustics_count, "explicit");
-    return OK;
-}
-
 static status gas_read(struct setup *s) {
     struct gas_state *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
     g->base = (struct medium){.type = &gas_medium, .setup = s};
     s->medium = &g->base;
     TRY(models_read(s->dir, s->dim, s->axis, &g->models));
-    if (s->mesh->round.on) TRY(check_round(s, g->models));
+    if (s->mesh->round.on) TRY(models_round(s, g->models));
     const struct case_models *m = g->models;
     g->base.fields = gas_fields_offer(&g->fields, &m->gas);
     const struct setup_file files[] = {{"system", "fvSchemes", m->schemes},

@@ -5,7 +5,6 @@
 
 #include "solvers/case/case.h"
 #include "solvers/case/fields.h"
-#include "solvers/case/round.h"
 #include "solvers/dict/family.h"
 #include "solvers/dict/params.h"
 #include "solvers/gas/layers.h"
@@ -415,6 +414,31 @@ void models_free(struct case_models *m) {
     dict_free(m->solution);
     forces_free(&m->forces);
     free(m);
+}
+
+status models_round(const struct setup *s, struct case_models *m) {
+    const struct revolution *r = &s->mesh->round;
+    const bool disks = m->gas.material.disks;
+    bool moved[3];
+    models_move(m, moved);
+    if (disks)
+        return dict_fail(m->properties, "equationOfState",
+                         "%s is for disks, which move in a plane, but `axis` of "
+                         "system/meshDict makes a body of revolution of the mesh: choose spheres",
+                         m->gas.eos->model.name);
+    for (int x = 0; x < 3; x++)
+        if (moved[x] && x != r->axial)
+            return round_refuse(s, "gravity, or another source, across the axis",
+                                "it would not be the same all around; let it act along the axis");
+    if (m->gas.transport) return round_refuse(s, "transport", "say  transport none;  in constant/granularProperties");
+    if (source_needs(&m->gas.source, &m->gas.material) & NEEDS_SHEAR_RATE)
+        return round_refuse(s, "a cooling law of the shear rate", "choose another one");
+    if (gas_rubs(&m->gas)) return round_refuse(s, "friction", "say  friction none;  in constant/granularProperties");
+    if (m->gas.ncarried) return round_refuse(s, "`carried`", "take it out of constant/granularProperties");
+    if (m->gas.acoustics && m->gas.acoustics->implicit && !m->gas.acoustics->automatic)
+        return round_refuse(s, "acoustics implicit", "say  acoustics { type explicit; }  in system/fvSolution");
+    m->gas.acoustics = model_find(acoustics_table, sizeof *acoustics_table, acoustics_count, "explicit");
+    return OK;
 }
 
 /* ---- listing and printing ---- */

@@ -39,6 +39,9 @@ status models_read(const char *case_dir, int dim, const int axis[3], struct case
 void models_move(const struct case_models *m, bool along[3]);
 /* Turns the vectors of all sources to the axes of the velocity's components. */
 void models_turn(struct case_models *m, int components, const int axis[3]);
+/* Refuses what is not there in the flow about an axis; acoustics are explicit there. */
+struct setup;
+status models_round(const struct setup *s, struct case_models *m);
 void models_free(struct case_models *m);
 
 /* Marks all that constant/granularProperties says of these models as known, for programs that have no use for it. */
@@ -76,7 +79,6 @@ void boundaries_list(FILE *f); /* prints every boundary condition */
 void models_print(FILE *f, const struct case_models *m, bool polyhedral);
 
 /* Returns the bytes of the state and of the memory for a step, of all cells of s->grid, if all are dense. */
-struct setup;
 double models_memory(const struct setup *s, const struct gas_models *g);
 
 #endif

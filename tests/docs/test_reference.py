@@ -12,6 +12,8 @@ import subprocess
 import tempfile
 import unittest
 
+import numpy as np
+
 from tests.cases import harness
 from tests.cases.harness import boxes
 
@@ -280,6 +282,7 @@ class Programs(unittest.TestCase):
         for name in ("grains", "softGrains", "segregation"):
             shutil.copytree(os.path.join(cls.folder, "gas", "constant", "polyMesh"), os.path.join(cls.folder, name, "constant", "polyMesh"))
         cls.make_line()
+        cls.make_round()
         cls.make_plain("gas")
         cls.make_plain("grains")
         cls.make_plain("softGrains")
@@ -301,6 +304,14 @@ class Programs(unittest.TestCase):
                        'boundaryField { "y.*" { type noFlux; } ".*Empty" { type empty; } }\n')
         with open(os.path.join(line, "constant", "segregationProperties"), "w", encoding="utf-8") as file:
             file.write("percolation { type constant; velocity 0.01; } diffusivity { type constant; value 1e-6; }\n")
+
+    @classmethod
+    def make_round(cls):
+        """A mesh beside an axis, for the rows of system/meshDict that a solver reads."""
+        path, one = os.path.join(cls.folder, "round"), np.ones(16)
+        boxes.box_case(path, (4, 4, 1), (1.0, 1.0, 0.1), one, np.zeros((16, 3)), one, 1.0, eos="perfectGas",
+                       types={"x": "wall", "yLow": "symmetryPlane", "yHigh": "wall"}, slip=("xLow", "xHigh", "yHigh"))
+        boxes.write_dictionary(path, "system", "meshDict", "")
 
     @classmethod
     def make_plain(cls, name):
@@ -419,7 +430,7 @@ class Programs(unittest.TestCase):
                     continue  # of the ways to give U it takes one, a constant vector
                 plain = len(place[0]) == 5 or place[1].endswith("Coeffs") and "/" not in place[1]
                 base = "line" if place[2] == "exponential" else f"plain {example}" if plain and example in PLAIN else example
-                yield program, base, place, rows
+                yield program, "round" if place[0] == ("system/meshDict",) and program == "granularGas" else base, place, rows
 
     def known(self, program, place):
         """Keys that the reference knows in a dictionary."""

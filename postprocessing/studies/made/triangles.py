@@ -23,12 +23,13 @@ SIDES = {"x": ("left", "right"), "y": ("bottom", "top")}
 RULE = (0.44594849091596488632, 0.22338158967801146570), (0.09157621350977074346, 0.10995174365532186764)
 
 
-def make(case, size, n, gmsh_to_case, cyclic="xy", rows=None):
-    """The mesh, a square or as many rows of edges high. cyclic: axes whose sides are halves of a cyclic pair."""
+def make(case, size, n, gmsh_to_case, cyclic="xy", rows=None, patches=""):
+    """The mesh, a square or as many rows of edges high. cyclic: axes whose sides are halves of a cyclic pair; patches: rules
+    of others."""
     from studies.made import boxes
     os.makedirs(case, exist_ok=True)
     rules = " ".join(f"{a} {{ type cyclic; neighbourPatch {b}; }}" for axis in cyclic for a, b in (SIDES[axis], SIDES[axis][::-1]))
-    boxes.write_dictionary(case, "system", "meshDict", f"patches {{ {rules} }}\n")
+    boxes.write_dictionary(case, "system", "meshDict", f"patches {{ {rules} {patches} }}\n")
     geo, msh = os.path.join(case, "mesh.geo"), os.path.join(case, "mesh.msh")
     with open(geo, "w") as f:
         f.write(GEO.format(size=size, n=n, rows=rows or n, height=size * (rows or n) / n))

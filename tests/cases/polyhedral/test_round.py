@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bodies of revolution: `axis` of system/meshDict on lattices and polyhedra.
+
+References: gas that must stay as it is; conserved sums; the standing wave of linear sound in a cylinder,
+J_0(k r) cos(m z) cos(w t), w^2 = c^2 (k^2 + m^2), J_0'(k) = 0; rigid rotation; volumes and areas by Pappus.
+"""
+import os
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.harness import boxes
+from studies.made import triangles
+
+ROOT = 3.8317059702075125  # the first zero of J_1
+GAMMA = 5 / 3
+SMALL = 1e-5  # amplitude of the wave: what is not linear is smaller by that
+CAN = {"xLow": "wall", "xHigh": "wall", "yLow": "symmetryPlane", "yHigh": "wall"}
+
+
+def bessel(order, x):
+    """J_0, J_1 by their series, for x < 6 exact to round-off."""
+    term, total = (x / 2)**order, 0
+    for k in range(1, 40):
+        total = total + term
+        term = -term * (x / 2)**2 / (k * (k + order))
+    return total
+
+
+class Round(harness.Folder, unittest.TestCase):
+    def case(self, name, n, rho, u, p, end, types=None, axis="1 0 0", engine="lattice", size=None, add="", **options):
+        """A case of perfect gas about an axis through the origin; u: three arrays."""
+        case = os.path.join(self.folder, name)
+        size = size or [1.0 if k > 1 else 0.1 for k in n]
+        types = CAN if types is None else types
+        harness.box_case(case, n, size, rho, np.stack(u, axis=1), p, end, eos="perfectGas", types=types,
+                         slip=[k for k in types if types[k] == "wall"], **options)
+        boxes.write_dictionary(case, "system", "meshDict", f"axis {{ direction ({axis}); }}\n")
+        runs.add(case, "system/fvSchemes", "" if engine == "lattice" else f"meshEngine polyhedral; polyReconstruct {engine};\n")
+        runs.add(case, "system/controlDict", add)
+        return case
+
+    def run_case(self, *arguments, ranks=1, **options):
+        case = self.case(*arguments, **options)
+        harness.program("granularGas", "-case", case, ranks=ranks)
+        return harness.haff.Case(case)
+
+    @staticmethod
+    def blast(n, size=(1.0, 1.0, 0.1)):
+        x = boxes.centres(n, size)
+        zero = 0 * x[:, 0]
+        return x, zero + 1, [zero, zero, zero], np.where((x[:, 0] - 0.3)**2 + x[:, 1]**2 < 0.04, 10.0, 1.0)
+
+    def test_stays(self):
+        """Uniform gas at rest, and one that flows along the axis, stay as they are: on lattices to the bit."""
+        for axis, across, engine in (("1 0 0", "y", "lattice"), ("0 1 0", "x", "lattice"), ("1 0 0", "y", "linear"),
+                                     ("1 0 0", "y", "CWENO3")):
+            for speed in (0.0, 0.7):
+                with self.subTest(axis=axis, engine=engine, speed=speed):
+                    n = (12, 16, 1)
+                    one = np.ones(12 * 16)
+                    along = "x" if across == "y" else "y"
+                    types = {along: "cyclic", across + "Low": "symmetryPlane", across + "High": "wall"}
+                    u = [one * speed * (along == a) for a in "xyz"]
+                    result = self.run_case(f"stay{along}{engine}{speed}", n, one, u, one, 0.2, types, axis, engine)
+                    least = 0 if engine == "lattice" else 3e-15
+                    for name, wanted in (("rho", one), ("U", np.stack(u, axis=1)), ("p", one)):
+                        self.assertLessEqual(np.abs(result.field(name) - wanted).max(), least, name)
+
+    def test_force(self):
+        """Gas at rest presses on the lid of a can with pi R^2 p, on its side with nothing along the axis."""
+        one = np.ones(12 * 16)
+        add = "functions { %s }\n" % " ".join(f"{p} {{ type forces; patches ({p}); CofR (0 0 0); }}" for p in ("xHigh", "yHigh"))
+        for engine in ("lattice", "CWENO3"):
+            result = self.run_case("press" + engine, (12, 16, 1), one, [0 * one] * 3, 3 * one, 0.01, engine=engine, add=add)
+            for patch, wanted in (("xHigh", 3 * np.pi), ("yHigh", 0)):
+                with open(os.path.join(result.path, "postProcessing", patch, "0", "force.dat")) as f:
+                    last = f.read().split("\n")[-2].replace("(", " ").replace(")", " ").split()
+                np.testing.assert_allclose([float(v) for v in last[1:4]], [wanted, 0, 0], atol=1e-13, rtol=1e-14)
+
+    def test_weight(self):
+        """Gas at rest under gravity along the axis stays so, to round-off: p of neighbours differs by half of both weights."""
+        n, g = (16, 8, 1), 1.0
+        x = boxes.centres(n, (1.0, 1.0, 0.1))[:, 0]
+        p = [1.0]
+        half = 0.5 * g / 16
+        for _ in range(15):  # isothermal: p = rho
+            p.append(p[-1] * (1 - half) / (1 + half))
+        p = np.array(p)[np.rint(x * 16 - 0.5).astype(int)]
+        result = self.run_case("weight", n, p, [0 * x, 0 * x, 0 * x], p, 0.5, gravity=(-g, 0.0, 0.0))
+        self.assertLess(np.abs(result.field("U")).max(), 1e-14)
+
+    def test_conserved(self):
+        """A blast in a closed can keeps mass and energy of the full turn to round-off; the walls take all of the axial
+        momentum."""
+        functions = ("functions { sums { type volFieldValue; fields (rho); operation volIntegrate; } "
+                     "books { type energyBudget; } }\n")
+        for engine in ("lattice", "CWENO3"):
+            with self.subTest(engine):
+                x, rho, u, p = self.blast((12, 16, 1))
+                result = self.run_case("blast" + engine, (12, 16, 1), rho, u, p, 0.4, engine=engine, add=functions)
+                table = np.loadtxt(os.path.join(result.path, "postProcessing", "sums", "0", "volFieldValue.dat"))
+                self.assertLess(np.ptp(table[:, 1]) / np.pi, 1e-14)
+                self.assertAlmostEqual(table[0, 1], np.pi, delta=1e-13)
+                budget = np.loadtxt(os.path.join(result.path, "postProcessing", "books", "0", "energyBudget.dat"))
+                self.assertLess(np.abs(budget[:, [4, 12, 19]]).max(), 1e-14)  # residuals of mass, energy, axial momentum
+                cells = 2 * np.pi * x[:, 1] / (12 * 16)
+                self.assertAlmostEqual((result.field("rho") * cells).sum(), np.pi, delta=1e-12)
+
+    def test_same(self):
+        """1 and 3 ranks, a restart, and cells that are not skipped as uniform give the same bits."""
+        n = (40, 48, 1)
+        x, rho, u, p = self.blast(n)
+        for engine in ("lattice", "CWENO3"):
+            with self.subTest(engine):
+                options = {"engine": engine, "interval": 0.03, "control": "adjustableRunTime"}
+                one = self.case("one" + engine, n, rho, u, p, 0.06, **options)
+                harness.program("granularGas", "-case", one)
+                three = self.case("three" + engine, n, rho, u, p, 0.06, **options)
+                harness.program("granularGas", "-case", three, ranks=3)
+                runs.same(self, runs.results(one), runs.results(three), "ranks")
+                part = runs.until(one, os.path.join(self.folder, "part" + engine), 0.03)
+                harness.program("granularGas", "-case", part)
+                runs.same(self, runs.contents(os.path.join(one, "0.06")), runs.contents(os.path.join(part, "0.06")), "restart")
+        full = self.case("full", n, rho, u, p, 0.06, interval=0.03)
+        runs.add(full, "system/fvSolution", "skipUniform no;\n")
+        harness.program("granularGas", "-case", full)
+        runs.same(self, runs.results(os.path.join(self.folder, "onelattice")), runs.results(full), "skipped cells")
+
+    @staticmethod
+    def sound(x, t):
+        """(rho - 1)/SMALL of the standing wave at places x."""
+        return bessel(0, ROOT * x[:, 1]) * np.cos(2 * np.pi * x[:, 0]) * np.cos(np.hypot(ROOT, 2 * np.pi) * t)
+
+    def errors(self, case, x, cells):
+        """L1 errors of rho, over the amplitude: of all cells, beside the axis, and away from axis and wall."""
+        harness.program("granularGas", "-case", case)
+        result, r = harness.haff.Case(case), x[:, 1]
+        error = np.abs((result.field("rho") - 1) / SMALL - self.sound(x, float(result.times[-1])))
+        return np.array([error.mean(), error[r < 2 / cells].mean(), error[(r > 0.3) & (r < 0.6)].mean()])
+
+    def wave(self, cells, engine):
+        """The standing wave on boxes; engine triangles: on those, with CWENO3."""
+        n, end = (cells // 2, cells, 1), 0.4
+        steps = int(np.ceil(end * cells / 0.08))
+        options = {"adjust": "no", "step": end / steps, "control": "runTime"}
+        types = {"x": "cyclic", "yLow": "symmetryPlane", "yHigh": "wall"}
+        if engine != "triangles":
+            x = boxes.centres(n, (1.0, 1.0, 0.1))
+            rho = 1 + SMALL * self.sound(x, 0)
+            zero = np.zeros(len(rho))
+            return self.errors(self.case(f"wave{engine}{cells}", n, rho, [zero] * 3, 1 / GAMMA + rho - 1, end, types, engine=engine,
+                                         reconstruct="WENO5", **options), x, cells)
+        case = os.path.join(self.folder, f"wave{cells}")
+        triangles.make(case, 1.0, cells, os.path.join(os.environ["HAFF_BIN"], "gmshToCase"), cyclic="x",
+                       patches="bottom { type symmetryPlane; } top { type wall; }")
+        x = triangles.corners(harness.haff.Mesh(case + "/constant/polyMesh")).mean(axis=1)
+        rho = 1 + SMALL * self.sound(x, 0)
+        kinds = {"left": "cyclic", "right": "cyclic", "bottom": "symmetryPlane", "top": "wall", "back": "empty", "front": "empty"}
+        boxes.write_case(case, kinds, rho, np.zeros((len(rho), 3)), 1 / GAMMA + rho - 1, end, eos="perfectGas", slip=["top"], **options)
+        boxes.write_dictionary(case, "system", "meshDict", "axis { direction (1 0 0); }\n")
+        runs.add(case, "system/fvSchemes", "polyReconstruct CWENO3;\n")
+        return self.errors(case, x, cells)
+
+    def test_order(self):
+        """At least second order on lattices, and of CWENO3 on boxes and triangles as polyhedra, beside the axis and away from it."""
+        for engine, least in (("lattice", 1.8), ("CWENO3", 1.9), ("triangles", 1.9)):
+            with self.subTest(engine):
+                cells = (16, 64) if engine == "triangles" else (16, 32)  # those of gmsh are not alike
+                coarse, fine = (self.wave(n, engine) for n in cells)
+                order = np.log(coarse / fine).min() / np.log(cells[1] / cells[0])
+                self.assertGreater(order, least, f"errors {coarse} {fine}")
+
+    def test_radial(self):
+        """A lattice of radial cells gives what one of (axial, radial) cells gives that is the same all along."""
+        cells = 40
+        r = (np.arange(cells) + 0.5) / cells
+        p, zero = np.where(r < 0.3, 10.0, 1.0), 0 * r
+        line = self.run_case("line", (1, cells, 1), zero + 1, [zero, zero, zero], p, 0.1, {"yLow": "symmetryPlane", "yHigh": "wall"},
+                             adjust="no", step=0.001)
+        types = {"x": "cyclic", "yLow": "symmetryPlane", "yHigh": "wall"}
+        wide = self.run_case("wide", (4, cells, 1), np.ones(4 * cells), [np.zeros(4 * cells)] * 3, np.repeat(p, 4), 0.1, types,
+                             adjust="no", step=0.001)
+        self.assertLess(np.abs(wide.field("rho").reshape(cells, 4) - line.field("rho")[:, None]).max(), 1e-13)
+
+    def test_swirl(self):
+        """Rigid rotation, p = 1 + r^2/2, stays to second order, and keeps the angular momentum to round-off."""
+        errors = []
+        for cells in (16, 32):
+            n = (4, cells, 1)
+            r = boxes.centres(n, (1.0, 1.0, 0.1))[:, 1]
+            types = {"x": "cyclic", "yLow": "symmetryPlane", "yHigh": "wall"}
+            result = self.run_case(f"swirl{cells}", n, np.ones(len(r)), [0 * r, 0 * r, r], 1 + r**2 / 2, 0.5, types)
+            moment = r**2 + 0.25 / cells**2
+            rho, u = result.field("rho"), result.field("U")[:, 2]
+            self.assertAlmostEqual((rho * u * moment).sum() / (r * moment).sum(), 1, delta=1e-14)
+            errors.append(np.array([(np.abs(rho - 1) * r).mean(), (np.abs(u - r) * r).mean()]))
+        self.assertGreater(np.log2(errors[0] / errors[1]).min(), 1.6, f"errors {errors}")
+
+    def test_refused(self):
+        """What cannot be: with file, line, cure."""
+        x, rho, u, p = self.blast((8, 8, 1))
+        rows = (("oblique", {"axis": "1 1 0"}, "lie along x, y or z"), ("across the plane", {"axis": "0 0 1"}, "in the plane of the mesh"),
+                ("cyclic", {"types": {"x": "wall", "y": "cyclic"}}, "cyclic across the radius"),
+                ("no symmetry plane", {"types": {**CAN, "yLow": "wall"}}, "type symmetryPlane"),
+                ("gravity", {"gravity": (0.0, -1.0, 0.0)}, "let it act along the axis"))
+        for name, options, cure in rows:
+            with self.subTest(name):
+                self.refuses(self.case("no " + name, (8, 8, 1), rho, u, p, 0.1, **options), cure)
+        for name, text, cure in (("across the axis", "origin (0 0.5 0);", "mesh the half"), ("below it", "origin (0 2 0);", "mirror it"),
+                                 ("unknown key", "orign (0 0 0);", "'orign'")):
+            with self.subTest(name):
+                case = self.case("no " + name, (8, 8, 1), rho, u, p, 0.1)
+                boxes.write_dictionary(case, "system", "meshDict", f"axis {{\n direction (1 0 0);\n {text}\n}}\n")
+                self.refuses(case, cure)
+        for entry, cure in (("transport GarzoDufty", "transport none"), ("carried { tracer { type passive; } } transport none", "take it out")):
+            with self.subTest(entry):
+                case = self.case("no " + entry.split()[0], (8, 8, 1), rho, u, p, 0.1)
+                path = os.path.join(case, "constant", "granularProperties")
+                with open(path) as f:
+                    text = f.read().replace("transport none", entry).replace("perfectGas", "TorquatoSpheres")
+                with open(path, "w") as f:
+                    f.write(text)
+                self.refuses(case, cure)
+
+    def refuses(self, case, cure):
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"meshDict:\d+: ")
+        self.assertIn(cure, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
