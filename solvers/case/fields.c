@@ -46,26 +46,6 @@ static const struct param type_param[] = {
 #define PATCH_DICT   "boundaryField/PATCH"
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 
-static const struct param varying_param[] = {
-    NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
-          "in place of the values", "expression \"0.3\";"),
-    NOTED("expression", "three expressions of x, y, z, t: (\"..\" \"..\" \"..\")", "none",
-          "of U in place of the values", "expression (\"0.3\" \"0\" \"0\");"),
-};
-static const struct param rate_param[] = {
-    NOTED("volumetricFlowRate", "number in m^3/s, or table ((t v) (t v) ..)", "none", "in place of massFlowRate",
-          "volumetricFlowRate 0.3;"),
-    NOTED("extrapolateProfile", "switch: off", "off", "the velocity is uniform", "extrapolateProfile off;"),
-    IGNORED("rhoInlet", "for OpenFOAM: rho on the patch is that of the field rho or alpha"),
-};
-/* Of walls that rotate, with omega last, which rotatingWallVelocity has as its value. */
-static const struct param rotation_param[] = {
-    NOTED("origin", "vector (x y z) in m", "required with omega", "a point on the axis", "origin (0 0 0);"),
-    NOTED("axis", "vector (x y z)", "required with omega", "the axis, of any length: omega turns right-handed about it",
-          "axis (0 1 0);"),
-    NOTED("omega", "number in rad/s, table ((t v) (t v) ..), or \"expression of t\"", "none",
-          "of a wall of gas that rotates, a surface of revolution, in place of its velocity", "omega 0.3;"),
-};
 static const struct {
     const char *type, *scalar, *vector; /* as a user writes it; examples */
 } forms[] = {
@@ -83,7 +63,7 @@ static void patch_entry(char entry[KEYWORD_TEXT], const struct boundary_type *b,
     const char *value = components == 1 ? forms[b->giving].scalar : forms[b->giving].vector;
     snprintf(entry, KEYWORD_TEXT, "type %s;", b->model.name);
     keywords_entries(entry, b->model.param, b->model.nparam);
-    if (b->giving == BY_ROTATION) keywords_entries(entry, rotation_param, COUNT(rotation_param) - 1);
+    varying_entry(entry, b);
     const size_t used = strlen(entry);
     if (key)
         snprintf(entry + used, KEYWORD_TEXT - used, " %s %s;", key, b->model.nparam ? "uniform (0 0 0)" : value);
@@ -134,10 +114,7 @@ static void boundary_keywords(struct keywords *k, const char *file, const struct
     keywords_at(k, file, PATCH_DICT, b->model.name);
     k->only = files_with(b, file);
     keywords_params(k, b->model.param, b->model.nparam);
-    if (b->giving == BY_RATE) keywords_params(k, rate_param, COUNT(rate_param));
-    if (b->giving == BY_LIST && (value || b->velocity)) keywords_params(k, &varying_param[scalar ? 0 : 1], 1);
-    if (strchr(file, ',')) k->only = "0.orig/U";
-    if (boundary_rotates(b)) keywords_params(k, rotation_param, COUNT(rotation_param) - (b->giving == BY_ROTATION));
+    varying_keywords(k, b);
     k->only = NULL;
     if (!value) return;
     snprintf(entry, sizeof entry, "%s %s;", value, scalar ? forms[b->giving].scalar : forms[b->giving].vector);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads and evaluates values of patches that follow a rule (varying.h). */
+/* Reads and evaluates values of patches that follow a rule (varying.h), and those of walls that rotate (docs/physics.md
+ * 5.3). */
 #include "solvers/case/varying.h"
 
 #include "solvers/dict/expr.h"
@@ -8,6 +9,43 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- keywords ---- */
+
+static const struct param varying_param[] = {
+    NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
+          "in place of the values", "expression \"0.3\";"),
+    NOTED("expression", "three expressions of x, y, z, t: (\"..\" \"..\" \"..\")", "none",
+          "of U in place of the values", "expression (\"0.3\" \"0\" \"0\");"),
+};
+static const struct param rate_param[] = {
+    NOTED("volumetricFlowRate", "number in m^3/s, or table ((t v) (t v) ..)", "none", "in place of massFlowRate",
+          "volumetricFlowRate 0.3;"),
+    NOTED("extrapolateProfile", "switch: off", "off", "the velocity is uniform", "extrapolateProfile off;"),
+    IGNORED("rhoInlet", "for OpenFOAM: rho on the patch is that of the field rho or alpha"),
+};
+/* Of walls that rotate, with omega last, which rotatingWallVelocity has as its value. */
+static const struct param rotation_param[] = {
+    NOTED("origin", "vector (x y z) in m", "required with omega", "a point on the axis", "origin (0 0 0);"),
+    NOTED("axis", "vector (x y z)", "required with omega", "the axis, of any length: omega turns right-handed about it",
+          "axis (0 1 0);"),
+    NOTED("omega", "number in rad/s, table ((t v) (t v) ..), or \"expression of t\"", "none",
+          "of a wall of gas that rotates, a surface of revolution, in place of its velocity", "omega 0.3;"),
+};
+#define COUNT(table) ((int)(sizeof table / sizeof *table))
+
+void varying_keywords(struct keywords *k, const struct boundary_type *type) {
+    const bool scalar = boundary_value(type, 1), value = scalar || boundary_value(type, 3);
+    if (type->giving == BY_RATE) keywords_params(k, rate_param, COUNT(rate_param));
+    if (type->giving == BY_LIST && (value || type->velocity)) keywords_params(k, &varying_param[scalar ? 0 : 1], 1);
+    if (strchr(k->file, ',')) k->only = "0.orig/U";
+    if (boundary_rotates(type))
+        keywords_params(k, rotation_param, COUNT(rotation_param) - (type->giving == BY_ROTATION));
+}
+
+void varying_entry(char entry[KEYWORD_TEXT], const struct boundary_type *type) {
+    if (type->giving == BY_ROTATION) keywords_entries(entry, rotation_param, COUNT(rotation_param) - 1);
+}
 
 struct varying {
     struct dict *dict;

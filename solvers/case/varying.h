@@ -18,6 +18,12 @@
 #include "libcore/models/boundary.h"
 #include "mesh/format/polymesh.h"
 #include "solvers/dict/dict.h"
+#include "solvers/dict/keywords.h"
+
+/* Goes through the keywords of rules that a type may have (k->only, for U alone, is left changed); writes to an entry
+ * of the type what its value needs besides. */
+void varying_keywords(struct keywords *k, const struct boundary_type *type);
+void varying_entry(char entry[KEYWORD_TEXT], const struct boundary_type *type);
 
 struct varying;
 /* Reads what a patch of a field with so many components gives besides its type; *out is NULL if that is none of the
