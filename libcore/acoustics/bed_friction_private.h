@@ -58,9 +58,11 @@ void bed_friction_free(struct bed_friction *r);
  * collective, sums with, for b->rub->gradient. */
 void bed_fit_cell(const struct bed *b, int i);
 void bed_find_gradients(const struct bed *b, double *const *V);
-/* Finds what friction does over dt: lines rubbed, push and traction; sets b->set.stress. Its pressures are those of
- * b->set.pressure. driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too
- * long. Collective. */
+/* Finds what friction does over dt: lines rubbed, push and traction. Its pressures are those of b->set.pressure.
+ * driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too long. Collective.
+ */
 status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven, bool *done);
+/* Moves the stress on, b->set.stress, behind bed_rub; nothing without friction. */
+void bed_move_stress(struct bed *b, const double gravity[MAX_DIM]);
 
 #endif
