@@ -181,13 +181,54 @@ static status prepare(struct bed *b) {
     return OK;
 }
 
+/* Part of its energy that friction may give a bed in a step; a step is found in so many rounds at most. */
+static const double MOST_GIVEN = 0.01;
+enum { ROUNDS = 8 };
+
+/* Returns the work (J/m^3) of walls that move on a cell over dt. */
+static double walls_work(const struct bed *b, double dt, int i) {
+    double sum = 0;
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        if (b->set.kind[s.face] != BED_WALL) continue;
+        for (int k = 0; k < b->components; k++)
+            sum += s.sign * b->set.shapes->area[s.shape] * b->lines->traction[k][s.face] * b->set.wall_speed[k][s.face];
+    }
+    return dt * sum / volume_of(b, i);
+}
+
+/* Has friction given the bed energy? It is found with the pressures of the step before. Where those move the gas far
+ * more than the pressures of this step do, it stops a motion that does not come, and drives the gas: then all is found
+ * again, with the pressures of this step. Some energy is elastic, from the stress that was kept. */
+static bool drags(struct bed *b, double dt) {
+    double all[2];
+    if (!b->rub) return false;
+    for (int block = 0; block < b->set.blocks; block++) {
+        double *sum = b->lines->block_sums + 2 * block;
+        sum[0] = b->set.rubbed[block];
+        sum[1] = 0;
+        for (int i = b->set.first[block]; i < b->set.first[block + 1]; i++) {
+            sum[0] -= volume_of(b, i) * walls_work(b, dt, i);
+            sum[1] += volume_of(b, i) * energy_of(b, i);
+        }
+    }
+    multigrid_sum_blocks(b->multigrid, b->set.blocks, 2, b->lines->block_sums, all);
+    if (!(all[0] > MOST_GIVEN * all[1])) return false;
+    memcpy(b->set.pressure, b->lines->p, (size_t)b->set.cells * sizeof(double));
+    return true;
+}
+
 static status advance(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+    bool updated = false;
     memcpy(b->lines->first_p, b->lines->p, (size_t)b->set.cells * sizeof(double));
-    TRY(bed_rub(b, dt, gravity, true, done));
-    if (!*done) return OK;
-    TRY(bed_find_pressure(b, dt, gravity, done));
-    if (!*done) return OK;
-    const bool updated = bed_update(b, dt, gravity);
+    for (int round = 0; round == 0 || (round < ROUNDS && drags(b, dt)); round++) {
+        TRY(bed_rub(b, dt, gravity, true, done));
+        if (!*done) return OK;
+        TRY(bed_find_pressure(b, dt, gravity, done));
+        if (!*done) return OK;
+        updated = bed_update(b, dt, gravity);
+    }
+    bed_move_stress(b, gravity);
     bed_find_blur(b, dt, gravity);
     const bool moved = bed_remap(b, dt);
     double failed = !updated || !moved;

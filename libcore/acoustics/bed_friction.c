@@ -458,9 +458,9 @@ static void find_push(const struct bed *b, double dt, const double gravity[MAX_D
     }
 }
 
-/* Moves the stress on: tau' for V, no more than it may be. */
-static void find_stress(const struct bed *b, const double gravity[MAX_DIM]) {
+void bed_move_stress(struct bed *b, const double gravity[MAX_DIM]) { /* tau' for V, no more than it may be */
     const struct bed_friction *r = b->rub;
+    if (!r) return;
     for (int i = 0; i < r->tensors; i++)
         for (int f = 0; f < b->set.faces; f++)
             if (r->part[f] == 0) b->set.stress[i][f] = 0;
@@ -531,7 +531,6 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
         find_held(b);
         find_push(b, dt, gravity, r->gain[last]);
     }
-    find_stress(b, gravity);
     for (int k = 0; k < b->components; k++) {
         memcpy(b->lines->rubbed[k], r->gain[last][k], (size_t)(b->set.cells + b->set.ghosts) * sizeof(double));
         memcpy(b->lines->traction[k], r->through[last][k], (size_t)b->set.faces * sizeof(double));
@@ -589,6 +588,7 @@ status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     for (int v = 0; v < b->components + 2; v++) memset(b->set.kept[v], 0, (size_t)b->set.faces * sizeof(double));
     bed_add_tractions(b);
     memcpy(b->set.pressure, x->p, (size_t)b->set.cells * sizeof(double));
+    bed_move_stress(b, gravity);
     bed_deal_results(b);
     return OK;
 }

@@ -97,9 +97,11 @@ void bed_find_pull(const struct bed *b);
 void bed_pull(const struct bed *b, int i, double force[MAX_DIM]);
 /* Finds the traction (Pa) of a rough wall on the gas, from left to right. */
 void bed_wall_pull(const struct bed *b, int f, double traction[MAX_DIM]);
-/* Finds what friction does over dt: lines rubbed, push and traction; sets b->set.stress. Its pressures are those of
- * b->set.pressure. driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too
- * long. Collective. */
+/* Finds what friction does over dt: lines rubbed, push and traction. Its pressures are those of b->set.pressure.
+ * driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too long. Collective.
+ */
 status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven, bool *done);
+/* Moves the stress on, b->set.stress, behind bed_rub; nothing without friction. */
+void bed_move_stress(struct bed *b, const double gravity[MAX_DIM]);
 
 #endif
