@@ -1,7 +1,7 @@
-// A column, L0 = 24 mm wide and A times as high, at the left end of a floor that it runs out on. N cells across the column.
+// A column, L0 = 100 mm wide and A times as high, at the left end of a floor that it runs out on. N cells across the column.
 DefineConstant[ N = {24, Min 6, Step 2, Name "cells across the column"} ];
 DefineConstant[ A = {1, Min 0.25, Name "height over width of the column"} ];
-L0 = 0.024;
+L0 = 0.1;
 // a box that the heap does not fill: run-outs are some 1.3 A below A = 2 and 2.2 A^(2/3) above
 nx = Ceil((A < 2 ? 2 + 2.2*A : 1.4 + 3*A^(2/3))*N);   ny = Ceil(1.15*A*N);
 L = nx*L0/N;   H = ny*L0/N;

@@ -44,12 +44,14 @@ static status make_askew(const struct bed *b, struct bed_friction *r) {
     const struct bed_set *s = &b->set;
     const long cells = (long)s->cells + s->ghosts;
     TRY(ARRAYS_GROW(&r->arrays, r->askew_cells, bed_tensors(b->dim) * cells));
-    TRY(ARRAYS_GROW(&r->arrays, r->askew_faces, (long)(b->components + r->tensors) * s->faces));
+    TRY(ARRAYS_GROW(&r->arrays, r->askew_faces, (long)(b->components + (1 + LINES) * r->tensors) * s->faces));
     double *at = r->askew_cells;
     for (int i = 0; i < bed_tensors(b->dim); i++) at = cut(at, cells, &r->inverse[i]);
     at = r->askew_faces;
     for (int k = 0; k < b->components; k++) at = cut(at, s->faces, &r->value[k]);
     for (int i = 0; i < r->tensors; i++) at = cut(at, s->faces, &r->tensor[i]);
+    for (int j = 0; j < LINES; j++)
+        for (int i = 0; i < r->tensors; i++) at = cut(at, s->faces, &r->mean[j][i]);
     return OK;
 }
 
@@ -297,6 +299,10 @@ static void list_faces(const struct bed *b) {
             r->traction[k][f] = 0;
             for (int i = 0; i < LINES; i++) r->through[i][k][f] = 0;
         }
+        for (int i = 0; i < r->tensors && !b->set.shapes->boxes; i++) {
+            r->tensor[i][f] = 0;
+            for (int j = 0; j < LINES; j++) r->mean[j][i][f] = 0;
+        }
         if (bed_rubs_at(b, f) && ((l >= 0 && r->share[l] > 0) || (q >= 0 && r->share[q] > 0))) r->face[r->faces++] = f;
     }
 }
@@ -367,6 +373,9 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
         const bool wall = b->set.kind[f] == BED_WALL;
         double t[MAX_DIM];
         if (!wall && b->friction.params.heating == 0) continue;
+        for (int i = 0; i < r->tensors && !b->set.shapes->boxes; i++)
+            r->mean[j % LINES][i][f] = c.last * r->mean[(j + LINES - 1) % LINES][i][f] +
+                                       c.older * r->mean[(j + LINES - 2) % LINES][i][f] + c.now * r->tensor[i][f];
         for (int k = 0; k < b->components; k++) t[k] = r->traction[k][f];
         if (wall && !b->set.shapes->boxes) bed_wall_pull(b, f, t);
         for (int k = 0; k < b->components; k++)
@@ -523,6 +532,7 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     freeze(b, dt, gravity);
     const int last = solve(b, dt, find_rate(b, dt));
     *done = last >= 0;
+    r->last = last;
     if (!*done) return OK;
     find_velocity(b, 1, r->gain[last]);
     bed_find_gradients(b, r->V);
@@ -538,6 +548,30 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     return OK;
 }
 
+void bed_find_work(const struct bed *b, double *const *end) {
+    const struct bed_friction *r = b->rub;
+    const int missing = (b->material->disks ? 2 : 3) - b->components;
+    if (b->set.shapes->boxes || b->friction.params.heating == 0) return;
+    for (int k = 0; k < b->components; k++)
+        for (int i = 0; i < b->set.cells; i++) r->V[k][i] = 0.5 * (b->lines->u[k][i] + end[k][i]);
+    bed_find_gradients(b, r->V);
+    memset(r->value[0], 0, (size_t)b->set.faces * sizeof(double));
+    for (int e = 0; e < r->faces; e++) {
+        const int f = r->face[e];
+        const struct face_view v = view_of(b, f);
+        double D[TENSOR], work = 0, trace[2] = {0};
+        strain_of(b, &v, r->V, D);
+        for (int i = 0, at = 0; i < b->components; i++)
+            for (int j = i; j < b->components; j++, at++) {
+                work += (i == j ? 1 : 2) * r->mean[r->last][at][f] * D[at];
+                trace[0] += i == j ? r->mean[r->last][at][f] : 0;
+                trace[1] += i == j ? D[at] : 0;
+            }
+        if (missing > 0) work += trace[0] * trace[1] / missing;
+        r->value[0][f] = b->set.shapes->area[v.shape] * v.depth / b->dim * work;
+    }
+}
+
 double bed_warms(const struct bed *b, double dt, int i, double *const *end, double more) {
     const struct bed_lines *x = b->lines;
     double sum = 0;
@@ -547,7 +581,8 @@ double bed_warms(const struct bed *b, double dt, int i, double *const *end, doub
         const int other = bed_across(b, &s);
         const double area = b->set.shapes->area[s.shape];
         if (!bed_rubs_at(b, s.face)) continue;
-        for (int k = 0; k < b->components; k++) {
+        if (!b->set.shapes->boxes) sum += (other < 0 ? 1 : 0.5) * b->rub->value[0][s.face];
+        for (int k = 0; k < b->components && b->set.shapes->boxes; k++) {
             const double mine = 0.5 * (x->u[k][i] + end[k][i]);
             const double slips =
                 other < 0 ? b->set.wall_speed[k][s.face] - mine : 0.5 * (0.5 * (x->u[k][other] + end[k][other]) - mine);
@@ -579,6 +614,7 @@ status bed_rub_alone(struct bed *b, double dt, const double gravity[MAX_DIM], bo
     if (!*done) return OK;
     for (int k = 0; k < b->components; k++)
         for (int i = 0; i < b->set.cells + b->set.ghosts; i++) x->after[k + 1][i] = x->u[k][i] + x->rubbed[k][i];
+    bed_find_work(b, x->after + 1);
     for (int block = 0; block < b->set.blocks; block++) {
         b->set.lift[block] = b->set.work[block] = b->set.peak[block] = b->set.rubbed[block] = 0;
         b->set.peak_cell[block] = 0;

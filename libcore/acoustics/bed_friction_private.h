@@ -19,9 +19,10 @@ struct bed_friction {
     double *part, *bears;                            /* [faces] th; Pa, the most that friction can bear there */
     /* Meshes other than boxes (bed_adjoint.c), else NULL: [cells + ghosts] the matrices of `fit`, in rows of the
      * upper half; [faces] velocity, then the force on it; tau' in a stage */
-    double *inverse[TENSOR], *value[MAX_DIM], *tensor[TENSOR];
-    int *face, faces;                                             /* those with friction */
-    double *cells, *sides, *of_faces, *askew_cells, *askew_faces; /* the memory of the lines */
+    double *inverse[TENSOR], *value[MAX_DIM], *tensor[TENSOR], *mean[LINES][TENSOR]; /* mean: of the stages, for heat */
+    int last;                                                                        /* line of the result */
+    int *face, faces;                                                                /* those with friction */
+    double *cells, *sides, *of_faces, *askew_cells, *askew_faces;                    /* the memory of the lines */
     struct arrays arrays;
 };
 

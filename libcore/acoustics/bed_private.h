@@ -97,6 +97,9 @@ status bed_set_blocks(struct bed_set *s, int blocks);
 status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides);
 /* Readies the set for a step: lists, states and primitive variables. Collective. */
 status bed_ready(struct bed *b);
+/* Finds what bed_warms needs on meshes other than boxes: the work of the faces' stresses on the mean of the velocities
+ * u and `end`. Collective. */
+void bed_find_work(const struct bed *b, double *const *end);
 /* Returns the heat (J/m^3) of the gas by the sliding of a cell's grains over dt: `heating` of the work of the faces'
  * tractions on the differences of velocity across them, half of it on either side. end: [cells + ghosts] velocities at
  * the end; more: J/m^3 that friction takes besides. */

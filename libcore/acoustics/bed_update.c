@@ -282,6 +282,7 @@ bool bed_update(struct bed *b, double dt, const double gravity[MAX_DIM]) {
     find_face_pressures(b, dt, gravity);
     for (int i = 0; i < b->set.cells; i++) move_cell(b, dt, gravity, i);
     bed_fill(b, b->rub && b->friction.params.heating > 0 ? b->components : b->dim, b->lines->after + 1);
+    if (b->rub) bed_find_work(b, b->lines->after + 1);
     find_heat(b, dt);
     pass_heat(b, dt);
     const bool fine = find_eps(b, dt, gravity);
