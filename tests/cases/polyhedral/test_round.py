@@ -79,6 +79,25 @@ class Round(harness.Folder, unittest.TestCase):
                     last = f.read().split("\n")[-2].replace("(", " ").replace(")", " ").split()
                 np.testing.assert_allclose([float(v) for v in last[1:4]], [wanted, 0, 0], atol=1e-13, rtol=1e-14)
 
+    def test_rate(self):
+        """A patch across the axis, and one around it, let in the mass per time that is given for the full turn."""
+        one = np.ones(12 * 16)
+        for engine in ("lattice", "CWENO3"):
+            for patch in ("xLow", "yHigh"):
+                with self.subTest(engine=engine, patch=patch):
+                    case = self.case(f"rate{engine}{patch}", (12, 16, 1), one, [0 * one] * 3, one, 0.1, {**CAN, patch: "patch"},
+                                     engine=engine, add="functions { books { type energyBudget; } }\n")
+                    path = os.path.join(case, "0", "U")
+                    with open(path) as f:
+                        text = f.read().replace(f"{patch} {{ type zeroGradient; }}",
+                                                f"{patch} {{ type flowRateInletVelocity; massFlowRate 0.5; }}")
+                    with open(path, "w") as f:
+                        f.write(text)
+                    harness.program("granularGas", "-case", case)
+                    budget = np.loadtxt(os.path.join(case, "postProcessing", "books", "0", "energyBudget.dat"))
+                    self.assertAlmostEqual(budget[-1, 1] - np.pi, 0.5 * budget[-1, 0], delta=1e-12)
+                    self.assertLess(abs(budget[-1, 4]), 1e-13)
+
     def test_weight(self):
         """Gas at rest under gravity along the axis stays so, to round-off: p of neighbours differs by half of both weights."""
         n, g = (16, 8, 1), 1.0
