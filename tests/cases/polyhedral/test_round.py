@@ -73,9 +73,10 @@ class Round(harness.Folder, unittest.TestCase):
         one = np.ones(12 * 16)
         add = "functions { %s }\n" % " ".join(f"{p} {{ type forces; patches ({p}); CofR (0 0 0); }}" for p in ("xHigh", "yHigh"))
         for engine in ("lattice", "CWENO3"):
-            result = self.run_case("press" + engine, (12, 16, 1), one, [0 * one] * 3, 3 * one, 0.01, engine=engine, add=add)
+            case = self.case("press" + engine, (12, 16, 1), one, [0 * one] * 3, 3 * one, 0.01, engine=engine, add=add)
+            self.assertIn("along x at y = 0: sums and forces are those of a full turn", harness.program("granularGas", "-case", case).stdout)
             for patch, wanted in (("xHigh", 3 * np.pi), ("yHigh", 0)):
-                with open(os.path.join(result.path, "postProcessing", patch, "0", "force.dat")) as f:
+                with open(os.path.join(case, "postProcessing", patch, "0", "force.dat")) as f:
                     last = f.read().split("\n")[-2].replace("(", " ").replace(")", " ").split()
                 np.testing.assert_allclose([float(v) for v in last[1:4]], [wanted, 0, 0], atol=1e-13, rtol=1e-14)
 
