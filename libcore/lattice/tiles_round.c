@@ -17,7 +17,7 @@ ALWAYS_INLINE void conserve(int n, double inverse, const double *restrict half, 
                             double *restrict sum) {
     for (int i = 0; i < n; i++) {
         const double part = low[i] * (inverse - half[i]) - high[i] * (inverse + half[i]);
-        const double gain = (momentum[i] == 0) & (low[i] == high[i]) ? 0 : part;
+        const double gain = ((momentum[i] == 0) & (low[i] == high[i])) ? 0 : part;
         sum[i] = first ? gain : sum[i] + gain;
     }
 }

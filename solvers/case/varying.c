@@ -97,7 +97,7 @@ static status take_geometry(struct varying *v, const struct polymesh *m, int pat
         const double size = length(A);
         for (int k = 0; k < 3; k++) v->normal[3L * i + k] = A[k] / size;
         v->size[i] = sqrt(size);
-        v->area += size;
+        v->area += size * round_turn(&m->round, v->centre + 3L * i);
     }
     return OK;
 }

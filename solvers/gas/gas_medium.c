@@ -199,6 +199,10 @@ static void gas_describe(const struct medium *m, FILE *f) {
     const struct setup *s = m->setup;
     models_print(f, of(m)->models, s->grid->polyhedra != NULL);
     describe_patches(f, s->mesh, of(m)->initial);
+    const struct revolution *r = &s->mesh->round;
+    if (r->on)
+        fprintf(f, "    %-22s along %c at %c = %g: sums and forces are those of a full turn; acoustics are explicit\n",
+                "axis", "xyz"[r->axial], "xyz"[r->radial], r -> at);
     for (int k = s->dim; k < s->components; k++)
         fprintf(f, "    %-22s along %c, too, an axis without cells\n", "velocity", "xyz"[s->axis[k]]);
     if (of(m)->unknown)

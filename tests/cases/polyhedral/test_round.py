@@ -73,11 +73,31 @@ class Round(harness.Folder, unittest.TestCase):
         one = np.ones(12 * 16)
         add = "functions { %s }\n" % " ".join(f"{p} {{ type forces; patches ({p}); CofR (0 0 0); }}" for p in ("xHigh", "yHigh"))
         for engine in ("lattice", "CWENO3"):
-            result = self.run_case("press" + engine, (12, 16, 1), one, [0 * one] * 3, 3 * one, 0.01, engine=engine, add=add)
+            case = self.case("press" + engine, (12, 16, 1), one, [0 * one] * 3, 3 * one, 0.01, engine=engine, add=add)
+            self.assertIn("along x at y = 0: sums and forces are those of a full turn", harness.program("granularGas", "-case", case).stdout)
             for patch, wanted in (("xHigh", 3 * np.pi), ("yHigh", 0)):
-                with open(os.path.join(result.path, "postProcessing", patch, "0", "force.dat")) as f:
+                with open(os.path.join(case, "postProcessing", patch, "0", "force.dat")) as f:
                     last = f.read().split("\n")[-2].replace("(", " ").replace(")", " ").split()
                 np.testing.assert_allclose([float(v) for v in last[1:4]], [wanted, 0, 0], atol=1e-13, rtol=1e-14)
+
+    def test_rate(self):
+        """A patch across the axis, and one around it, let in the mass per time that is given for the full turn."""
+        one = np.ones(12 * 16)
+        for engine in ("lattice", "CWENO3"):
+            for patch in ("xLow", "yHigh"):
+                with self.subTest(engine=engine, patch=patch):
+                    case = self.case(f"rate{engine}{patch}", (12, 16, 1), one, [0 * one] * 3, one, 0.1, {**CAN, patch: "patch"},
+                                     engine=engine, add="functions { books { type energyBudget; } }\n")
+                    path = os.path.join(case, "0", "U")
+                    with open(path) as f:
+                        text = f.read().replace(f"{patch} {{ type zeroGradient; }}",
+                                                f"{patch} {{ type flowRateInletVelocity; massFlowRate 0.5; }}")
+                    with open(path, "w") as f:
+                        f.write(text)
+                    harness.program("granularGas", "-case", case)
+                    budget = np.loadtxt(os.path.join(case, "postProcessing", "books", "0", "energyBudget.dat"))
+                    self.assertAlmostEqual(budget[-1, 1] - np.pi, 0.5 * budget[-1, 0], delta=1e-12)
+                    self.assertLess(abs(budget[-1, 4]), 1e-13)
 
     def test_weight(self):
         """Gas at rest under gravity along the axis stays so, to round-off: p of neighbours differs by half of both weights."""
@@ -183,6 +203,40 @@ class Round(harness.Folder, unittest.TestCase):
         wide = self.run_case("wide", (4, cells, 1), np.ones(4 * cells), [np.zeros(4 * cells)] * 3, np.repeat(p, 4), 0.1, types,
                              adjust="no", step=0.001)
         self.assertLess(np.abs(wide.field("rho").reshape(cells, 4) - line.field("rho")[:, None]).max(), 1e-13)
+
+    def ball(self, cells, dim):
+        """rho [z][r] of an octant with a hot ball at t = 0.15: about the axis, or in 3D beside the plane y = 0."""
+        n = (cells, cells, 1) if dim == 2 else (cells,) * 3
+        size = (1.0, 1.0, 0.1) if dim == 2 else (1.0, 1.0, 1.0)
+        x = boxes.centres(n, size)
+        zero, distance = 0 * x[:, 0], np.sqrt((x[:, :dim]**2).sum(axis=1))
+        p = 1 + 4.5 * (1 - np.tanh((distance - 0.35) / 0.05))
+        types = {a + side: "symmetryPlane" if side == "Low" else "wall" for a in "xyz"[:dim] for side in ("Low", "High")}
+        case = self.case(f"ball{dim}{cells}", n, zero + 1, [zero] * 3, p, 0.15, types, size=size)
+        if dim == 3:
+            os.remove(os.path.join(case, "system", "meshDict"))
+        harness.program("granularGas", "-case", case)
+        rho = harness.haff.Case(case).field("rho").reshape(n[::-1])[0]  # 3D: z lowest; x is the axis, y the radius
+        return rho.T
+
+    def test_sphere(self):
+        """A spherical blast of (axial, radial) cells is as good as one of as many cells a side in 3D, beside finer cells."""
+        fine = self.ball(96, 2)
+
+        def reference(z, r):
+            i, k = (np.clip(q * 96 - 0.5, 0, 94.999).astype(int) for q in (z, r))
+            a, b = z * 96 - 0.5 - i, r * 96 - 0.5 - k
+            return (fine[i, k] * (1 - a) + fine[i + 1, k] * a) * (1 - b) + (fine[i, k + 1] * (1 - a) + fine[i + 1, k + 1] * a) * b
+
+        errors, both = [], []
+        for dim in (2, 3):
+            both.append(self.ball(24, dim))
+            x = (np.arange(24) + 0.5) / 24
+            z, r = np.meshgrid(x, x, indexing="ij")
+            away = np.sqrt(r**2 + (0 if dim == 2 else 0.5 / 24)**2)
+            errors.append(np.abs(both[-1] - reference(z, away))[:20, :20].mean())
+        self.assertLess(errors[0], 1.2 * errors[1], f"{errors}")
+        self.assertLess(np.abs(both[0] - both[1])[:20, :20].mean(), errors[1])
 
     def test_swirl(self):
         """Rigid rotation, p = 1 + r^2/2, stays to second order, and keeps the angular momentum to round-off."""
