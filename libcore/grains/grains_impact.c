@@ -30,7 +30,8 @@ double grains_speed_after(struct grains *g, double approach, double e, const dou
 
 void grains_tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
                  double distance, double impulse) {
-    struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b};
+    const double size = b < 0 ? 0.5 * grains_size(g, a) : grains_pair_size(g, a, b);
+    struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b, .branch = size * g->law.diameter};
     const struct grain *p = &g->grain[a];
     for (int k = 0; k < g->dim; k++) {
         i.x[0][k] = p->x[k] - grains_swing(&g->box, k, t).s;
@@ -53,36 +54,40 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
         square += r[k] * r[k];
         rv += r[k] * v[k];
     }
-    double distance = sqrt(square), normal = rv / distance, growth = g->law.growth, approach = fmax(growth - normal, 0);
-    struct rebound back = rebound(g, approach, g->law.restitution, least);
+    const double mass_a = grains_mass(g, a), mass_b = grains_mass(g, b), share = 2 / (mass_a + mass_b);
+    double distance = sqrt(square), normal = rv / distance, growth = g->law.growth * grains_pair_size(g, a, b),
+           approach = fmax(growth - normal, 0);
+    struct rebound back = rebound(g, approach, grains_restitution(g, a, b), least);
     double after = back.speed + growth, factor = 0.5 * (after - normal) / distance;
     /* The same factor without the root, whose rounding has a bias: all distances are nearly one diameter. */
     if (growth == 0 && back.speed == back.ratio * approach) factor = -0.5 * (1 + back.ratio) * rv / square;
     for (int k = 0; k < 3; k++) {
         double du = factor * r[k];
-        p->u[k] -= du;
-        q->u[k] += du;
+        p->u[k] -= g->kind ? share * mass_b * du : du;
+        q->u[k] += g->kind ? share * mass_a * du : du;
     }
+    const double mass = g->kind ? share * mass_a * mass_b : g->law.mass; /* twice the reduced mass */
     if (jump != 0) g->impulse[0][1] -= g->law.mass * factor * r[0] * jump;
     g->event[a].changes++;
     g->event[b].changes++;
     g->counts.pairs++;
-    g->counts.lost += 0.25 * g->law.mass * (normal - after) * (normal + after);
-    if (observer) grains_tell(g, observer, a, b, t, r, distance, g->law.mass * factor * distance);
+    g->counts.lost += 0.25 * mass * (normal - after) * (normal + after);
+    if (observer) grains_tell(g, observer, a, b, t, r, distance, mass * factor * distance);
 }
 
 void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[a];
     int k = (-1 - wall) / 2, side = (-1 - wall) & 1;
     double out = side ? 1 : -1, e = g->box.restitution[k][side];
-    double growth = 0.5 * g->law.growth, outward = out * (p->u[k] - grains_swing(&g->box, k, t).v);
+    const double mass = grains_mass(g, a);
+    double growth = 0.5 * g->law.growth * grains_size(g, a), outward = out * (p->u[k] - grains_swing(&g->box, k, t).v);
     double approach = fmax(outward + growth, 0), after = grains_speed_after(g, approach, e, p->u) + growth;
     double gain = outward + after, r[3] = {0};
     p->u[k] -= out * gain;
     g->event[a].changes++;
     g->counts.walls++;
-    g->counts.lost += 0.5 * g->law.mass * (outward - after) * (outward + after);
-    g->counts.wall_impulse[k][side] += g->law.mass * gain;
+    g->counts.lost += 0.5 * mass * (outward - after) * (outward + after);
+    g->counts.wall_impulse[k][side] += mass * gain;
     r[k] = out;
-    if (observer) grains_tell(g, observer, a, wall, t, r, 1, g->law.mass * gain);
+    if (observer) grains_tell(g, observer, a, wall, t, r, 1, mass * gain);
 }
