@@ -42,6 +42,18 @@ void grains_tell(const struct grains *g, struct grain_observer *observer, int a,
     observer->impact(observer, &i);
 }
 
+struct couple { /* of two grains: shares of the change of velocity, twice the reduced mass, restitution, growth */
+    double share[2], mass, e, growth;
+};
+static struct couple couple_of(const struct grains *g, int a, int b) {
+    if (!g->kind) return (struct couple){{1, 1}, g->law.mass, g->law.restitution, g->law.growth};
+    const double m[2] = {grains_mass(g, a), grains_mass(g, b)}, both = m[0] + m[1];
+    return (struct couple){{2 * m[1] / both, 2 * m[0] / both},
+                           2 * m[0] * m[1] / both,
+                           grains_restitution(g, a, b),
+                           g->law.growth * grains_pair_size(g, a, b)};
+}
+
 void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[a], *q = &g->grain[b];
     double r[3], v[3], square = 0, rv = 0, jump = 0, least = g->gentle + 1e-13 * (speed(p->u) + speed(q->u));
@@ -54,25 +66,23 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
         square += r[k] * r[k];
         rv += r[k] * v[k];
     }
-    const double mass_a = grains_mass(g, a), mass_b = grains_mass(g, b), share = 2 / (mass_a + mass_b);
-    double distance = sqrt(square), normal = rv / distance, growth = g->law.growth * grains_pair_size(g, a, b),
-           approach = fmax(growth - normal, 0);
-    struct rebound back = rebound(g, approach, grains_restitution(g, a, b), least);
+    const struct couple pair = couple_of(g, a, b);
+    double distance = sqrt(square), normal = rv / distance, growth = pair.growth, approach = fmax(growth - normal, 0);
+    struct rebound back = rebound(g, approach, pair.e, least);
     double after = back.speed + growth, factor = 0.5 * (after - normal) / distance;
     /* The same factor without the root, whose rounding has a bias: all distances are nearly one diameter. */
     if (growth == 0 && back.speed == back.ratio * approach) factor = -0.5 * (1 + back.ratio) * rv / square;
     for (int k = 0; k < 3; k++) {
         double du = factor * r[k];
-        p->u[k] -= g->kind ? share * mass_b * du : du;
-        q->u[k] += g->kind ? share * mass_a * du : du;
+        p->u[k] -= pair.share[0] * du;
+        q->u[k] += pair.share[1] * du;
     }
-    const double mass = g->kind ? share * mass_a * mass_b : g->law.mass; /* twice the reduced mass */
     if (jump != 0) g->impulse[0][1] -= g->law.mass * factor * r[0] * jump;
     g->event[a].changes++;
     g->event[b].changes++;
     g->counts.pairs++;
-    g->counts.lost += 0.25 * mass * (normal - after) * (normal + after);
-    if (observer) grains_tell(g, observer, a, b, t, r, distance, mass * factor * distance);
+    g->counts.lost += 0.25 * pair.mass * (normal - after) * (normal + after);
+    if (observer) grains_tell(g, observer, a, b, t, r, distance, pair.mass * factor * distance);
 }
 
 void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer) {
