@@ -52,14 +52,15 @@ struct kind {
     double diameter, mass, number, restitution;
 };
 #define PARAM_STRUCT struct kind
+#define SIZE         FROM_TO(0, HUGE_VAL), .example = "diameter 1e-3;"
 static const struct param kind_param[] = {
-    NUMBER("diameter", diameter, USUALLY(0, "that of grain"), FROM_TO(0, HUGE_VAL), UNIT(0, 1, 0), "of these grains"),
+    NUMBER("diameter", diameter, USUALLY(0, "that of grain"), SIZE, UNIT(0, 1, 0), "of these grains"),
     NUMBER("mass", mass, USUALLY(0, "that of grain, as diameter^dim"), FROM_TO(0, HUGE_VAL), UNIT(1, 0, 0), "of one"),
     NUMBER("fraction", number, 1, BETWEEN(0, HUGE_VAL), NO_UNIT,
            "of the number of grains; over the sum of all fractions"),
     NUMBER("restitution", restitution, USUALLY(-1, "that of grain"), FROM_TO(0, 1), NO_UNIT, "of two of this kind"),
     NOTED("with", "dictionary", "the mean of both restitutions", "restitution of this kind and others, by their names",
-          "with { small 0.8; }"),
+          "with { added 0.8; }"),
 };
 #undef PARAM_STRUCT
 #define PARAM_STRUCT struct wall
