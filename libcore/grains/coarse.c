@@ -38,7 +38,7 @@ struct coarse {
     struct grain_observer observer; /* first */
     struct coarse_grid grid;
     long cells, stride[3]; /* stride: of the axes, in cells */
-    int size, rough;       /* doubles per cell; the place of those of rough grains among them */
+    int size, rough;       /* doubles per cell; the place of those of rough grains, or of the size^dim of a mixture */
     double per[3];         /* 1/h */
     double *sums;
     double term[TERMS], half; /* coefficients of bell_integrals; the integral from 0 to 3 */
@@ -77,7 +77,7 @@ static status fill(struct coarse *c, const struct coarse_grid *grid) {
     bell_make(c);
     c->grid = *grid;
     c->rough = MEAN + PER_AXIS * grid->dim;
-    c->size = c->rough + (grid->rough ? ROUGH : 0);
+    c->size = c->rough + (grid->rough ? ROUGH : grid->kinds ? 1 : 0);
     c->cells = 1;
     for (int k = 0; k < grid->dim; k++) {
         if (!(grid->n[k] > 0 && grid->h[k] > 0))
@@ -248,10 +248,16 @@ static inline void add(double *sum, int dim, double w, const double u[3]) {
 }
 
 void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]) {
-    for (int i = 0; i < n; i++) {
+    const struct grain_kinds *all = c->grid.kinds;
+    for (int i = 0, kind = 0; i < n; i++) {
+        while (all && kind < all->n - 1 && i >= all->first[kind + 1]) kind++;
         if (isnan(x[i][0])) continue; /* it has left */
         const int m = spread(c, x[i]);
-        for (int j = 0; j < m; j++) add(c->sums + c->size * c->shares[j].cell, c->grid.dim, c->shares[j].w, u[i]);
+        for (int j = 0; j < m; j++) {
+            double *sum = c->sums + c->size * c->shares[j].cell;
+            if (all) sum[c->rough] += c->shares[j].w * pow(all->size[kind], c->grid.dim);
+            add(sum, c->grid.dim, all ? c->shares[j].w * all->mass[kind] : c->shares[j].w, u[i]);
+        }
     }
     c->sums[c->cells * c->size] += 1;
 }
@@ -324,7 +330,8 @@ static void observe_in_cells(struct coarse *c, const struct grain_impact *i, dou
 
 static void observe(struct grain_observer *self, const struct grain_impact *i) {
     struct coarse *c = (struct coarse *)self;
-    const double branch = i->b < 0 ? 0.5 * c->grid.diameter : c->grid.diameter, amount = i->impulse * branch;
+    const double whole = c->grid.kinds ? i->branch : c->grid.diameter;
+    const double branch = i->b < 0 && !c->grid.kinds ? 0.5 * whole : whole, amount = i->impulse * branch;
     if (c->grid.kernel == COARSE_CELL) {
         observe_in_cells(c, i, branch);
         return;
@@ -372,7 +379,8 @@ void coarse_value(const struct coarse *c, double tau, enum coarse_field f, doubl
             continue;
         }
         if (f == COARSE_RHO) out[0][i] = number * g->mass;
-        if (f == COARSE_ALPHA) out[0][i] = number * grain_volume;
+        if (f == COARSE_ALPHA)
+            out[0][i] = (g->kinds && samples > 0 ? sum[c->rough] / (samples * volume) : number) * grain_volume;
         if (f == COARSE_T) out[0][i] = T;
         if (f == COARSE_P) out[0][i] = number * g->mass * T + collisional;
         for (int k = 0; f == COARSE_U && k < g->dim; k++) out[k][i] = sum[MEAN + PER_AXIS * k];

@@ -31,9 +31,10 @@ struct coarse_grid {
     double low[3], h[3]; /* m: lower corner, size of a cell */
     bool periodic[3];
     enum coarse_kernel kernel;
-    double width;                  /* m, at most the longest side of the grid */
-    double mass, diameter;         /* kg, m: of a grain */
-    const struct grain_mesh *mesh; /* its cells are used and not those of the grid, with COARSE_CELL; NULL: none */
+    double width;                    /* m, at most the longest side of the grid */
+    double mass, diameter;           /* kg, m: of a grain */
+    const struct grain_kinds *kinds; /* of a mixture: mass and diameter are those of its law; NULL: all are alike */
+    const struct grain_mesh *mesh;   /* its cells are used and not those of the grid, with COARSE_CELL; NULL: none */
     bool rough; /* are spins and the whole stress of contacts summed, too? For coarse_rough, coarse_contact */
 };
 enum coarse_field {

@@ -14,6 +14,7 @@ void grains_free(struct grains *g) {
     free(g->order);
     free(g->list);
     free(g->vacant);
+    free(g->kind);
     for (int k = 0; k < 3; k++) free(g->cells.row[k]);
     free(g->cells.slot);
     free(g->cells.next);
@@ -33,6 +34,8 @@ static status check_box(const struct grain_box *box, const struct grain_law *law
         return fail(ERR_INPUT, "a restitution of %g; it must lie in 0 to 1", law->restitution);
     if (!(law->threshold >= 0))
         return fail(ERR_INPUT, "a threshold of %g m/s; it must not be negative", law->threshold);
+    if (law->kinds.n && box->shear != 0) return fail(ERR_INPUT, "grains of a sheared box are of one kind");
+    if (law->kinds.n && box->fed) return fail(ERR_INPUT, "grains that come in are of one kind");
     if (box->facets && 0.5 * d > box->facets->space.reach * (1 + 1e-9))
         return fail(ERR_INPUT, "the walls are made for grains of at most %g m", 2 * box->facets->space.reach);
     for (int k = 0; k < box->dim; k++) {
@@ -77,10 +80,26 @@ static status check_shear(const struct grain_box *box, const struct grain_law *l
     return OK;
 }
 
+double grains_mean_size(const struct grain_kinds *k, int dim) {
+    double sum = 0;
+    for (int i = 0; i < k->n; i++)
+        sum += (k->first[i + 1] - k->first[i]) * (dim == 2 ? 1 : k->size[i]) * k->size[i] * k->size[i];
+    return k->n ? sum / k->first[k->n] : 1;
+}
+
+double grains_mean_mass(const struct grain_kinds *k) {
+    double sum = 0;
+    for (int i = 0; i < k->n; i++) sum += (k->first[i + 1] - k->first[i]) * k->mass[i];
+    return k->n ? sum / k->first[k->n] : 1;
+}
+
 static status check_number(const struct grain_box *box, const struct grain_law *law, int n) {
     const double pi = 3.14159265358979323846, d = law->diameter;
-    double volume = grains_volume(box), grain = box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d,
-           most = box->dim == 2 ? 0.9069 : 0.7405;
+    const double share = grains_mean_size(&law->kinds, box->dim);
+    double volume = grains_volume(box), grain = (box->dim == 2 ? pi / 4 * d * d : pi / 6 * d * d * d) * share,
+           most = law->kinds.n    ? 1
+                  : box->dim == 2 ? 0.9069
+                                  : 0.7405;
     if (n < 1) return fail(ERR_INPUT, "there are no grains; at least one is needed");
     if (!box->fed && n * grain > most * volume)
         return fail(ERR_INPUT,
@@ -133,6 +152,7 @@ status grains_make_empty(const struct grain_box *box, const struct grain_law *la
     g->opens = box->facets && box->facets->opens && !box->shut;
     if (grains_rows(box) > 0) TRY(allocate(&g->impulse, grains_rows(box), sizeof *g->impulse, "walls"));
     if (box->fed) TRY(grains_vacant_make(g));
+    if (law->kinds.n) TRY(allocate(&g->kind, n, sizeof *g->kind, "grains"));
     return grains_cells_make(g);
 }
 
@@ -144,9 +164,8 @@ double grains_wrap(const struct grain_box *box, int k, double x) {
 
 static status place(struct grains *g, int i, const double x[3], const double u[3]) {
     struct grain *p = &g->grain[i];
-    double radius = 0.5 * g->law.diameter, slack = 1e-9 * g->law.diameter;
+    double radius = 0.5 * g->law.diameter * grains_size(g, i), slack = 1e-9 * g->law.diameter;
     p->t = g->time;
-    g->id[i] = i;
     for (int k = 0; k < g->dim; k++) {
         bool periodic = g->box.periodic[k];
         double room = periodic || g->opens ? 0 : radius;
@@ -170,7 +189,7 @@ static status overlap(const struct grains *g, int a, int b, double distance) {
     return fail(ERR_INPUT,
                 "grains %d at (%.9g %.9g %.9g) and %d at (%.9g %.9g %.9g) overlap: they are %.9g m apart, their "
                 "diameter is %.9g m",
-                a, x[0], x[1], x[2], b, y[0], y[1], y[2], distance, g->law.diameter);
+                a, x[0], x[1], x[2], b, y[0], y[1], y[2], distance, g->law.diameter * grains_pair_size(g, a, b));
 }
 
 static status check_overlap(const struct grains *g, int i) {
@@ -183,14 +202,15 @@ static status check_overlap(const struct grains *g, int i) {
         for (int k = 0; k < 3; k++) r[k] = nearest(g, k, g->grain[j].x[k] - g->grain[i].x[k]);
         if (g->box.shear != 0) (void)grains_sheared(g, &g->grain[i], &g->grain[j], g->time, r, v);
         for (int k = 0; k < 3; k++) square += r[k] * r[k];
-        if (j != i && square < least * least) return overlap(g, i, j, sqrt(square));
+        const double near = least * grains_pair_size(g, i, j);
+        if (j != i && square < near * near) return overlap(g, i, j, sqrt(square));
     }
     return OK;
 }
 
 /* Fails if a grain cuts a facet, or lies behind the facets; x is in the frame of the box. */
 static status check_facets(const struct grains *g, int i, const double x[3]) {
-    const double radius = 0.5 * g->law.diameter, slack = 1e-9 * g->law.diameter;
+    const double radius = 0.5 * g->law.diameter * grains_size(g, i), slack = 1e-9 * g->law.diameter;
     const struct facets *f = g->box.facets;
     double at[3] = {0};
     for (int k = 0; k < g->dim; k++) at[k] = g->box.periodic[k] ? grains_wrap(&g->box, k, x[k]) : x[k];
@@ -207,6 +227,8 @@ status grains_make(const struct grain_box *box, const struct grain_law *law, int
                    const double (*u)[3], double t, struct grains **out) {
     struct grains *g = NULL;
     status s = grains_make_empty(box, law, n, t, &g);
+    for (int i = 0; i < n && !s; i++) g->id[i] = i;
+    if (!s) grains_set_kinds(g);
     for (int i = 0; i < n && !s; i++) s = place(g, i, x[i], u[i]);
     for (int i = 0; i < n && !s; i++) s = check_overlap(g, i);
     for (int i = 0; i < n && !s && box->facets; i++) s = check_facets(g, i, x[i]);
@@ -267,6 +289,7 @@ static status resume(struct grains *g, const struct grain_save *save) {
     memcpy(g->event, save->event, (size_t)g->n * sizeof *g->event);
     memcpy(g->id, save->id, (size_t)g->n * sizeof *g->id);
     TRY(check_ids(g));
+    grains_set_kinds(g);
     for (int i = 0; i < g->n; i++) TRY(check_saved(g, i));
     grains_cells_fill(g);
     grains_vacant_find(g);
@@ -405,16 +428,36 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
         double x[3], u[3];
         if (is_gone(g, i)) continue;
         fly(g, &g->grain[i], g->time, x, u);
+        const double part = g->kind ? g->law.kinds.mass[g->kind[i]] : 1;
         for (int k = 0; k < 3; k++) {
             u[k] -= w[k].v;
-            speeds += u[k] * u[k];
-            height -= g->law.gravity[k] * (x[k] - w[k].s);
-            sum[k] += u[k];
+            speeds += part * (u[k] * u[k]);
+            height -= part * (g->law.gravity[k] * (x[k] - w[k].s));
+            sum[k] += part * u[k];
         }
     }
     *kinetic = 0.5 * g->law.mass * speeds;
     *potential = g->law.mass * height;
     for (int k = 0; k < 3; k++) momentum[k] = g->law.mass * sum[k];
+}
+
+void grains_kinds_T(const struct grains *g, double T[GRAIN_KINDS]) {
+    double kinetic, potential, mean[3], all = 0;
+    int count[GRAIN_KINDS] = {0};
+    grains_energy(g, &kinetic, &potential, mean);
+    for (int k = 0; k < GRAIN_KINDS; k++) T[k] = 0;
+    for (int i = 0; i < g->n; i++) all += is_gone(g, i) ? 0 : grains_mass(g, i);
+    for (int i = 0; i < g->n && g->kind; i++) {
+        double x[3], u[3];
+        if (is_gone(g, i)) continue;
+        fly(g, &g->grain[i], g->time, x, u);
+        count[g->kind[i]]++;
+        for (int k = 0; k < g->dim; k++) {
+            const double away = u[k] - grains_swing(&g->box, k, g->time).v - mean[k] / all;
+            T[g->kind[i]] += away * away / g->dim;
+        }
+    }
+    for (int k = 0; k < GRAIN_KINDS; k++) T[k] /= count[k] > 0 ? count[k] : 1;
 }
 
 double grains_thermal(const struct grains *g) {
@@ -430,6 +473,12 @@ double grains_thermal(const struct grains *g) {
             }
         }
     return 0.5 * g->law.mass * square;
+}
+double grains_total_mass(const struct grains *g) {
+    double sum = 0;
+    if (!g->kind) return g->law.mass * grains_present(g);
+    for (int i = 0; i < g->n; i++) sum += is_gone(g, i) ? 0 : grains_mass(g, i);
+    return sum;
 }
 int grains_present(const struct grains *g) {
     int n = 0;

@@ -3,10 +3,11 @@
  * their exact times in their exact order (docs/physics.md 10.2). There is no time step.
  *
  * An impact (docs/physics.md 10.1) of two grains with relative velocity v and unit normal k (from a to b), v.k < 0,
- * gives each the impulse m (1 + e)/2 (v.k) k; e = restitution, or 1 where |v.k| < threshold (the rule of
- * libcore/models/cooling.h, which keeps inelastic collapse away). A wall has infinite mass and its own restitution.
- * Grains leave an impact with at least 1e-13 of their speeds and 1e-7 sqrt(G diameter), G the largest acceleration
- * relative to the box: even without a threshold, time goes on (slowly: a collapse then takes millions of impacts).
+ * gives each the impulse mu (1 + e) (v.k) k, mu = m_a m_b/(m_a + m_b), m/2 of equal grains; e = restitution, or 1 where
+ * |v.k| < threshold (the rule of libcore/models/cooling.h, which keeps inelastic collapse away). A wall has infinite
+ * mass and its own restitution. Grains leave an impact with at least 1e-13 of their speeds and 1e-7 sqrt(G diameter), G
+ * the largest acceleration relative to the box: even without a threshold, time goes on (slowly: a collapse then takes
+ * millions of impacts).
  *
  * Space is a box with axes 0..dim-1, periodic or walled axis by axis, or what facets bound in it (facets.h). The box as
  * a whole may be shaken: its displacement is s_k(t) = shake[k] cos(omega t + phase). All positions and velocities in
@@ -44,12 +45,20 @@ struct grain_box {
     bool shut;                      /* facets that are open are walls all the same */
     bool fed;                       /* may grains come in through open facets, by grains_enter? */
 };
+enum { GRAIN_KINDS = 8 };
+struct grain_kinds {                              /* of a mixture, by the numbers that grains have in grains_make */
+    int n;                                        /* 0: all grains are alike */
+    int first[GRAIN_KINDS + 1];                   /* grains first[k] .. first[k + 1] - 1 are of kind k */
+    double size[GRAIN_KINDS], mass[GRAIN_KINDS];  /* diameter and mass over those of the law; no size is above 1 */
+    double restitution[GRAIN_KINDS][GRAIN_KINDS]; /* of two grains; symmetric */
+};
 struct grain_law {
     double diameter; /* m, at time 0 */
     double growth;   /* m/s: diameter + growth * t, for packing.h; 0 in runs. Only in boxes at rest without gravity */
     double mass;     /* kg */
     double restitution, threshold; /* of two grains; m/s: slower impacts are elastic */
     double gravity[3];             /* m/s^2 */
+    struct grain_kinds kinds;      /* then diameter is that of the largest, and restitution does not count */
 };
 
 /* One grain, saved and resumed as it is: struct grain is the cache line that other grains read when they predict,
@@ -79,6 +88,7 @@ struct grain_impact {
             [3]; /* m: centres of both grains (box frame, the second unwrapped beside the first); a wall: x[1] = x[0] */
     double normal[3]; /* unit vector from the first to the second, or to the wall */
     double impulse;   /* kg m/s, > 0: the first grain gets -impulse * normal */
+    double branch;    /* m: the mean diameter of both; a wall: the radius */
     int a, b;         /* indices of the grains at that time; b < 0: the wall, as in struct grain_event */
 };
 enum { FIRST_FACET = -2000 };
@@ -140,13 +150,18 @@ const struct grain_counts *grains_counted(const struct grains *g);
  * (J). In a box that is fed row 2 walls + w has the same of grains that came in or were pushed; what momentum these got
  * is taken off row w. */
 int grains_present(const struct grains *g);
-double grains_work(const struct grains *g); /* J: that the ends of a sheared box have done */
+double grains_total_mass(const struct grains *g); /* kg, of those present */
+double grains_work(const struct grains *g);       /* J: that the ends of a sheared box have done */
 /* Kinetic energy (J) of the motion relative to the mean flow, shear * (x_1 - the middle) along axis 0 in a sheared box,
  * and the mean velocity. */
 double grains_thermal(const struct grains *g);
 const double (*grains_impulses(const struct grains *g))[3]; /* [walls of facets] kg m/s: given to each of them;
                                                              * sheared: one row, the work by flow and by impacts */
 double grains_time(const struct grains *g);
+double grains_mean_size(const struct grain_kinds *k, int dim); /* mean of size^dim over the grains; 1: all alike */
+double grains_mean_mass(const struct grain_kinds *k);          /* mean mass over that of the law */
+/* Sets for each kind the variance of a velocity component (m^2/s^2) about the mean velocity of all. */
+void grains_kinds_T(const struct grains *g, double T[GRAIN_KINDS]);
 double grains_volume(const struct grain_box *box); /* m^3 (disks: m^2) between the walls */
 double grains_bytes(int n, int dim);               /* memory that a run takes, about */
 

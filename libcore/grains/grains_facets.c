@@ -22,12 +22,12 @@ static void fly_in_box(const struct grains *g, const struct grain *p, double t, 
     }
 }
 
-static struct approach approach_at(const struct grains *g, const struct grain *p, const struct facet *f, double t) {
+static struct approach approach_at(const struct grains *g, int i, const struct facet *f, double t) {
     struct approach a;
-    double x[3], u[3];
-    fly_in_box(g, p, t, x, u);
-    a.h = facet_distance(f, g->dim, x, a.normal) - 0.5 * grains_diameter(g, t);
-    a.v = along(a.normal, u) - 0.5 * g->law.growth;
+    double x[3], u[3], size = grains_size(g, i);
+    fly_in_box(g, &g->grain[i], t, x, u);
+    a.h = facet_distance(f, g->dim, x, a.normal) - 0.5 * grains_diameter(g, t) * size;
+    a.v = along(a.normal, u) - 0.5 * g->law.growth * size;
     return a;
 }
 
@@ -43,12 +43,13 @@ static bool is_over(const struct facet *f, int dim, const double x[3], double sl
 
 /* Of a box at rest: returns the first time at which the grain touches the plane of the facet, before which it cannot
  * touch the facet; HUGE_VAL: never. *done: it touches the facet then. */
-static double plane_time(const struct grains *g, const struct grain *p, const struct facet *f, bool *done) {
-    double r[3], x[3], u[3];
+static double plane_time(const struct grains *g, int i, const struct facet *f, bool *done) {
+    const struct grain *p = &g->grain[i];
+    double r[3], x[3], u[3], size = grains_size(g, i);
     for (int k = 0; k < 3; k++) r[k] = p->x[k] - f->corner[0][k];
     const double height = along(r, f->normal), sign = height < 0 ? -1 : 1; /* it may pass behind, on another wall */
-    double h = fabs(height) - 0.5 * grains_diameter(g, p->t);
-    double v = sign * along(p->u, f->normal) - 0.5 * g->law.growth, a = sign * along(g->law.gravity, f->normal);
+    double h = fabs(height) - 0.5 * grains_diameter(g, p->t) * size;
+    double v = sign * along(p->u, f->normal) - 0.5 * g->law.growth * size, a = sign * along(g->law.gravity, f->normal);
     *done = false;
     if (h <= 0 && !is_over(f, g->dim, p->x, 0)) return p->t;
     double t = p->t + grains_first_root(h, v, a);
@@ -73,11 +74,12 @@ void grains_depart(struct grains *g, int i, int partner) {
     const int wall = g->box.facets->facet[FIRST_FACET - partner].wall;
     const struct grain *p = &g->grain[i];
     double *momentum = g->impulse[wall], *left = g->impulse[g->box.facets->space.walls + wall];
+    const double mass = grains_mass(g, i);
     left[0]++;
     for (int k = 0; k < g->dim; k++) {
-        momentum[k] += g->law.mass * p->u[k];
-        left[1] += 0.5 * g->law.mass * p->u[k] * p->u[k];
-        left[2] -= g->law.mass * g->law.gravity[k] * p->x[k];
+        momentum[k] += mass * p->u[k];
+        left[1] += 0.5 * mass * p->u[k] * p->u[k];
+        left[2] -= mass * g->law.gravity[k] * p->x[k];
     }
     grains_cell_leave(g, i);
     g->grain[i].impact = HUGE_VAL;
@@ -96,10 +98,10 @@ double grains_facet_time(const struct grains *g, int i, int facet, double limit,
     bool done = false;
     *again = false;
     if (f->open && g->opens) return open_time(g, p, f, limit);
-    if (!g->swings) t = plane_time(g, p, f, &done);
+    if (!g->swings) t = plane_time(g, i, f, &done);
     if (!(t <= limit)) return HUGE_VAL;
     for (int step = 0; step < STEPS && !done; step++) {
-        struct approach a = approach_at(g, p, f, t);
+        struct approach a = approach_at(g, i, f, t);
         if (a.h <= 0) {
             if (a.v < 0 || (a.v == 0 && G > 0)) return t;
             a.h = 0;
@@ -132,20 +134,22 @@ void grains_consider_facets(struct grains *g, int i, double leaving) {
 void grains_rebound_facet(struct grains *g, int a, int partner, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[a];
     const struct facet *f = &g->box.facets->facet[FIRST_FACET - partner];
-    const struct approach now = approach_at(g, p, f, t);
-    const double e = g->box.wall_restitution ? g->box.wall_restitution[f->wall] : 1, growth = 0.5 * g->law.growth;
-    const double outward = -(now.v + growth), to_wall[3] = {-now.normal[0], -now.normal[1], -now.normal[2]};
+    const struct approach now = approach_at(g, a, f, t);
+    const double e = g->box.wall_restitution ? g->box.wall_restitution[f->wall] : 1,
+                 growth = 0.5 * g->law.growth * grains_size(g, a);
+    const double mass = grains_mass(g, a), outward = -(now.v + growth),
+                 to_wall[3] = {-now.normal[0], -now.normal[1], -now.normal[2]};
     const double after = grains_speed_after(g, fmax(outward + growth, 0), e, p->u) + growth;
     const double gain = outward + after, square = along(now.normal, now.normal); /* not 1 to the bit: a bias, else */
     for (int k = 0; k < g->dim; k++) {
         const double du = gain / square * now.normal[k];
         p->u[k] += du;
-        g->impulse[f->wall][k] -= g->law.mass * du;
+        g->impulse[f->wall][k] -= mass * du;
     }
     g->event[a].changes++;
     g->counts.walls++;
-    g->counts.lost += 0.5 * g->law.mass * (outward - after) * (outward + after);
-    if (observer) grains_tell(g, observer, a, partner, t, to_wall, 1, g->law.mass * gain);
+    g->counts.lost += 0.5 * mass * (outward - after) * (outward + after);
+    if (observer) grains_tell(g, observer, a, partner, t, to_wall, 1, mass * gain);
 }
 
 status grains_facets_make(struct grains *g) {

@@ -30,7 +30,8 @@ double grains_speed_after(struct grains *g, double approach, double e, const dou
 
 void grains_tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
                  double distance, double impulse) {
-    struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b};
+    const double size = b < 0 ? 0.5 * grains_size(g, a) : grains_pair_size(g, a, b);
+    struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b, .branch = size * g->law.diameter};
     const struct grain *p = &g->grain[a];
     for (int k = 0; k < g->dim; k++) {
         i.x[0][k] = p->x[k] - grains_swing(&g->box, k, t).s;
@@ -39,6 +40,18 @@ void grains_tell(const struct grains *g, struct grain_observer *observer, int a,
         i.normal[k] = r[k] / distance;
     }
     observer->impact(observer, &i);
+}
+
+struct couple { /* of two grains: shares of the change of velocity, twice the reduced mass, restitution, growth */
+    double share[2], mass, e, growth;
+};
+static struct couple couple_of(const struct grains *g, int a, int b) {
+    if (!g->kind) return (struct couple){{1, 1}, g->law.mass, g->law.restitution, g->law.growth};
+    const double m[2] = {grains_mass(g, a), grains_mass(g, b)}, both = m[0] + m[1];
+    return (struct couple){{2 * m[1] / both, 2 * m[0] / both},
+                           2 * m[0] * m[1] / both,
+                           grains_restitution(g, a, b),
+                           g->law.growth * grains_pair_size(g, a, b)};
 }
 
 void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer) {
@@ -53,36 +66,38 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
         square += r[k] * r[k];
         rv += r[k] * v[k];
     }
-    double distance = sqrt(square), normal = rv / distance, growth = g->law.growth, approach = fmax(growth - normal, 0);
-    struct rebound back = rebound(g, approach, g->law.restitution, least);
+    const struct couple pair = couple_of(g, a, b);
+    double distance = sqrt(square), normal = rv / distance, growth = pair.growth, approach = fmax(growth - normal, 0);
+    struct rebound back = rebound(g, approach, pair.e, least);
     double after = back.speed + growth, factor = 0.5 * (after - normal) / distance;
     /* The same factor without the root, whose rounding has a bias: all distances are nearly one diameter. */
     if (growth == 0 && back.speed == back.ratio * approach) factor = -0.5 * (1 + back.ratio) * rv / square;
     for (int k = 0; k < 3; k++) {
         double du = factor * r[k];
-        p->u[k] -= du;
-        q->u[k] += du;
+        p->u[k] -= pair.share[0] * du;
+        q->u[k] += pair.share[1] * du;
     }
     if (jump != 0) g->impulse[0][1] -= g->law.mass * factor * r[0] * jump;
     g->event[a].changes++;
     g->event[b].changes++;
     g->counts.pairs++;
-    g->counts.lost += 0.25 * g->law.mass * (normal - after) * (normal + after);
-    if (observer) grains_tell(g, observer, a, b, t, r, distance, g->law.mass * factor * distance);
+    g->counts.lost += 0.25 * pair.mass * (normal - after) * (normal + after);
+    if (observer) grains_tell(g, observer, a, b, t, r, distance, pair.mass * factor * distance);
 }
 
 void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[a];
     int k = (-1 - wall) / 2, side = (-1 - wall) & 1;
     double out = side ? 1 : -1, e = g->box.restitution[k][side];
-    double growth = 0.5 * g->law.growth, outward = out * (p->u[k] - grains_swing(&g->box, k, t).v);
+    const double mass = grains_mass(g, a);
+    double growth = 0.5 * g->law.growth * grains_size(g, a), outward = out * (p->u[k] - grains_swing(&g->box, k, t).v);
     double approach = fmax(outward + growth, 0), after = grains_speed_after(g, approach, e, p->u) + growth;
     double gain = outward + after, r[3] = {0};
     p->u[k] -= out * gain;
     g->event[a].changes++;
     g->counts.walls++;
-    g->counts.lost += 0.5 * g->law.mass * (outward - after) * (outward + after);
-    g->counts.wall_impulse[k][side] += g->law.mass * gain;
+    g->counts.lost += 0.5 * mass * (outward - after) * (outward + after);
+    g->counts.wall_impulse[k][side] += mass * gain;
     r[k] = out;
-    if (observer) grains_tell(g, observer, a, wall, t, r, 1, g->law.mass * gain);
+    if (observer) grains_tell(g, observer, a, wall, t, r, 1, mass * gain);
 }

@@ -44,6 +44,15 @@ static void permute(struct grains *g, uint64_t *order) {
     }
 }
 
+void grains_set_kinds(struct grains *g) {
+    const struct grain_kinds *all = &g->law.kinds;
+    for (int i = 0; g->kind && i < g->n; i++) {
+        int k = 0;
+        while (k < all->n - 1 && g->id[i] >= all->first[k + 1]) k++;
+        g->kind[i] = (uint8_t)k;
+    }
+}
+
 void grains_set_sorting(struct grains *g) {
     int64_t every = (int64_t)IMPACTS * g->n;
     g->sort_at = g->n > FEW ? (g->counts.pairs / every + 1) * every : -1;
@@ -65,4 +74,5 @@ void grains_sort(struct grains *g) {
     permute(g, g->order);
     grains_cells_fill(g);
     grains_vacant_find(g);
+    grains_set_kinds(g);
 }

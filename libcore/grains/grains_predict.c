@@ -55,8 +55,16 @@ struct found {
 
 struct manner { /* wraps: a candidate may be seen beyond a periodic end; falls: there is gravity */
     int dim;
-    bool wraps, falls, grows;
+    bool wraps, falls, grows, mixed;
 };
+
+/* Sets the mean diameters, at `now`, of grain i and each of LANES others; returns how fast they grow. */
+ALWAYS_INLINE lanes diameters(const struct grains *g, int i, double now, const uint32_t *list, bool mixed, lanes *d) {
+    lanes size = (lanes){0} + 1;
+    for (int q = 0; mixed && q < LANES; q++) size[q] = grains_pair_size(g, i, (int)list[q]);
+    *d = size * grains_diameter(g, now);
+    return size * g->law.growth;
+}
 
 /* Finds the earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which
  * is before the other's own event; of equal times that with the lowest partner. Grains may touch or overlap by
@@ -65,7 +73,6 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
     const int dim = manner.dim;
     const bool wraps = manner.wraps, falls = manner.falls, grows = manner.grows;
     const struct grain *me = &g->grain[i];
-    const double d = grains_diameter(g, now), growth = g->law.growth;
     const lanes zero = {0}, never = zero + HUGE_VAL;
     lanes least = zero + first->t;
     marks with = (marks)zero + first->partner;
@@ -85,6 +92,7 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
             vv += v * v;
             rr += r * r;
         }
+        lanes d, growth = diameters(g, i, now, list, manner.mixed, &d);
         lanes a = grows ? vv - growth * growth : vv, b = grows ? rv - d * growth : rv, c = rr - d * d;
         c = ONLY(c > 0, c);
         lanes square = b * b - a * c, root = ONLY(square > 0, square);
@@ -110,7 +118,7 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
 typedef void meeting(const struct grains *g, int i, double now, int m, struct found *first);
 #define MEETING(name, ...)                                                                                             \
     KERNEL static void name(const struct grains *g, int i, double now, int m, struct found *first) {                   \
-        meet(g, i, now, m, first, (struct manner){__VA_ARGS__, false});                                                \
+        meet(g, i, now, m, first, (struct manner){__VA_ARGS__, false, false});                                         \
     }
 MEETING(disks_near_free, 2, false, false)
 MEETING(disks_near, 2, false, true)
@@ -121,11 +129,18 @@ MEETING(spheres_near, 3, false, true)
 MEETING(spheres_free, 3, true, false)
 MEETING(spheres, 3, true, true)
 static void growing(const struct grains *g, int i, double now, int m, struct found *first) {
-    meet(g, i, now, m, first, (struct manner){3, true, false, true});
+    meet(g, i, now, m, first, (struct manner){3, true, false, true, false});
+}
+static void mixed_growing(const struct grains *g, int i, double now, int m, struct found *first) {
+    meet(g, i, now, m, first, (struct manner){3, true, false, true, true});
+}
+KERNEL static void mixed(const struct grains *g, int i, double now, int m, struct found *first) {
+    meet(g, i, now, m, first, (struct manner){3, true, true, false, true});
 }
 
 static meeting *meeting_of(const struct grains *g, bool wraps) {
-    if (g->law.growth != 0) return growing;
+    if (g->law.growth != 0) return g->kind ? mixed_growing : growing;
+    if (g->kind) return mixed;
     if (g->dim == 2) return g->falls ? (wraps ? disks : disks_near) : wraps ? disks_free : disks_near_free;
     return g->falls ? (wraps ? spheres : spheres_near) : wraps ? spheres_free : spheres_near_free;
 }

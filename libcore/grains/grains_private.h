@@ -49,6 +49,7 @@ struct grains {
     struct grain *grain;
     struct grain_event *event;
     int32_t *id;
+    uint8_t *kind; /* [n] of a mixture, by index; NULL: all are alike */
     struct grain_counts counts;
     struct grain_cells cells;
     struct facet_cells walls; /* the facets near each cell; empty without facets */
@@ -80,6 +81,19 @@ static inline long grains_rows(const struct grain_box *b) {
 }
 static inline double grains_diameter(const struct grains *g, double t) {
     return g->law.diameter + g->law.growth * (t - g->start);
+}
+/* Diameter and mass of grain i over those of the law: 1 where all are alike. */
+static inline double grains_size(const struct grains *g, int i) {
+    return g->kind ? g->law.kinds.size[g->kind[i]] : 1;
+}
+static inline double grains_mass(const struct grains *g, int i) {
+    return g->law.mass * (g->kind ? g->law.kinds.mass[g->kind[i]] : 1);
+}
+static inline double grains_pair_size(const struct grains *g, int a, int b) {
+    return 0.5 * (grains_size(g, a) + grains_size(g, b));
+}
+static inline double grains_restitution(const struct grains *g, int a, int b) {
+    return g->kind ? g->law.kinds.restitution[g->kind[a]][g->kind[b]] : g->law.restitution;
 }
 static inline bool is_shaken(const struct grain_box *box, int k) {
     return !box->periodic[k] && box->shake[k] != 0;
@@ -163,7 +177,9 @@ int grains_occupants(const struct grain_cells *c, const struct grain_block *b, u
 
 void grains_cells_fill(struct grains *g); /* puts all grains into the cells that they name */
 
-/* grains_order.c: the indices change; the caller makes the queue anew from the grains. */
+/* grains_order.c: sets the kinds from the numbers. */
+void grains_set_kinds(struct grains *g);
+/* The indices change; the caller makes the queue anew from the grains. */
 void grains_sort(struct grains *g);
 void grains_set_sorting(struct grains *g); /* sets sort_at from the counts */
 

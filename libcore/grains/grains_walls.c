@@ -44,14 +44,15 @@ struct swing grains_swing(const struct grain_box *box, int axis, double t) {
 /* The distance h of the surfaces has |h''| <= G, so that it cannot reach zero before h + h' d - G d^2/2 does; steps of
  * that d never pass the first contact, and near it they converge as Newton's do. The search ends when a step no longer
  * changes the time: the contact is then exact to a few units in the last place of the time (and of x, through h'). */
-static double moving_wall_time(const struct grains *g, const struct grain *p, int k, int side, double limit,
-                               bool *again) {
+static double moving_wall_time(const struct grains *g, int i, int k, int side, double limit, bool *again) {
     enum { STEPS = 100 };
+    const struct grain *p = &g->grain[i];
+    const double radius = 0.5 * g->law.diameter * grains_size(g, i);
     double sign = side ? -1 : 1, wall = side ? -g->box.high[k] : g->box.low[k], G = g->pull[k], t = p->t;
     for (int step = 0; step < STEPS; step++) {
         struct swing w = grains_swing(&g->box, k, t);
         double dt = t - p->t, a = g->law.gravity[k];
-        double h = sign * (p->x[k] + dt * (p->u[k] + 0.5 * a * dt) - w.s) - wall - 0.5 * g->law.diameter;
+        double h = sign * (p->x[k] + dt * (p->u[k] + 0.5 * a * dt) - w.s) - wall - radius;
         double v = sign * (p->u[k] + a * dt - w.v);
         if (h <= 0) {
             if (v < 0 || (v == 0 && G > 0)) return t;
@@ -69,10 +70,11 @@ static double moving_wall_time(const struct grains *g, const struct grain *p, in
 double grains_wall_time(const struct grains *g, int i, int axis, int side, double limit, bool *again) {
     const struct grain *p = &g->grain[i];
     *again = false;
-    if (is_shaken(&g->box, axis)) return moving_wall_time(g, p, axis, side, limit, again);
-    double radius = 0.5 * grains_diameter(g, p->t), a = g->law.gravity[axis], u = p->u[axis];
+    if (is_shaken(&g->box, axis)) return moving_wall_time(g, i, axis, side, limit, again);
+    const double size = grains_size(g, i);
+    double radius = 0.5 * grains_diameter(g, p->t) * size, a = g->law.gravity[axis], u = p->u[axis];
     double h = side ? g->box.high[axis] - radius - p->x[axis] : p->x[axis] - (g->box.low[axis] + radius);
-    double v = (side ? -u : u) - 0.5 * g->law.growth;
+    double v = (side ? -u : u) - 0.5 * g->law.growth * size;
     double t = p->t + grains_first_root(h, v, side ? -a : a);
     return t <= limit ? t : HUGE_VAL;
 }

@@ -23,6 +23,20 @@ static double volume_of(int dim, double diameter) {
     return dim == 2 ? PI / 4 * diameter * diameter : PI / 6 * diameter * diameter * diameter;
 }
 
+/* Volume of the mean grain over that of the law's. */
+static double mean_size(const struct grain_kinds *k, int dim) {
+    return k ? grains_mean_size(k, dim) : 1;
+}
+
+static int kind_of(const struct grain_kinds *all, int number) {
+    int k = 0;
+    while (k < all->n - 1 && number >= all->first[k + 1]) k++;
+    return k;
+}
+static double size_of(const struct grain_kinds *all, int number) {
+    return all ? all->size[kind_of(all, number)] : 1;
+}
+
 static long field_cells(const struct packing_field *f) {
     return f->mesh ? f->mesh->cells : (long)f->n[0] * f->n[1] * f->n[2];
 }
@@ -33,7 +47,7 @@ int packing_number(const struct grain_box *box, double diameter, const struct pa
     if (!f->alpha) return 0;
     for (long c = 0; c < cells; c++) sum += f->alpha[c] * (f->mesh ? f->mesh->volume[c] : 1);
     const double filled = f->mesh ? sum : sum / (double)cells * grains_volume(box);
-    return (int)floor(filled / volume_of(box->dim, diameter) + 0.5);
+    return (int)floor(filled / (volume_of(box->dim, diameter) * mean_size(f->kinds, box->dim)) + 0.5);
 }
 
 /* ---- levels: cells of equal alpha */
@@ -50,6 +64,7 @@ struct packing_level {
 struct levels {
     const struct grain_box *box;
     const struct packing_field *field;
+    struct packing_field whole; /* one cell, where no alpha is given */
     long cells, count;
     struct cell *cell;           /* [cells], falling alpha */
     double *reach;               /* [cells]: running sum of alpha * room within a level */
@@ -104,8 +119,11 @@ static void levels_group(struct levels *l) {
 static status levels_make(const struct grain_box *box, double diameter, const struct packing_field *f,
                           struct levels *l) {
     long all = f->alpha || f->mesh ? field_cells(f) : 1;
-    static const struct packing_field whole = {.n = {1, 1, 1}};
-    *l = (struct levels){.box = box, .field = f->alpha || f->mesh ? f : &whole, .radius = diameter / 2};
+    *l = (struct levels){.box = box, .field = f, .radius = diameter / 2};
+    if (!f->alpha && !f->mesh) {
+        l->whole = (struct packing_field){.n = {1, 1, 1}, .kinds = f->kinds};
+        l->field = &l->whole;
+    }
     TRY(allocate(&l->cell, all, sizeof *l->cell, "cells of a packing"));
     TRY(allocate(&l->reach, all, sizeof *l->reach, "cells of a packing"));
     TRY(allocate(&l->level, all, sizeof *l->level, "cells of a packing"));
@@ -129,7 +147,7 @@ static status levels_make(const struct grain_box *box, double diameter, const st
 static double levels_densest(const struct levels *l, int n, double diameter) {
     double cell = grains_volume(l->box) / (double)field_cells(l->field), most = 0;
     for (long v = 0; v < l->count; v++) most = fmax(most, l->level[v].share / l->level[v].room);
-    return most / l->total * n * volume_of(l->box->dim, diameter) / cell;
+    return most / l->total * n * volume_of(l->box->dim, diameter) * mean_size(l->field->kinds, l->box->dim) / cell;
 }
 
 /* Deals grain `number` to a level, by multiples of the golden ratio: for every n each level has its share of the first
@@ -185,6 +203,7 @@ struct shelf { /* grains by cells of at least one diameter */
     double (*x)[3];
     struct facet_cells walls; /* the facets near each cell */
     double radius;            /* m: the least distance of centres to them */
+    const struct grain_kinds *kinds;
 };
 
 static void shelf_free(struct shelf *s) {
@@ -195,7 +214,8 @@ static void shelf_free(struct shelf *s) {
 
 static status shelf_make(const struct levels *l, double diameter, int n, double (*x)[3], struct shelf *s) {
     const struct grain_box *box = l->box;
-    *s = (struct shelf){.box = box, .n = {1, 1, 1}, .diameter = diameter, .x = x, .radius = l->radius};
+    *s = (struct shelf){
+        .box = box, .n = {1, 1, 1}, .diameter = diameter, .x = x, .radius = l->radius, .kinds = l->field->kinds};
     double side = fmax(diameter * (1 + 1e-9), power(grains_volume(box) / (4. * n), 1. / box->dim));
     for (int k = 0; k < box->dim; k++) {
         s->length[k] = box->high[k] - box->low[k];
@@ -226,17 +246,19 @@ static long shelf_cell(const struct shelf *s, const int at[3]) {
     return at[0] + (long)s->n[0] * (at[1] + (long)s->n[1] * at[2]);
 }
 
-static bool shelf_touches(const struct shelf *s, const double a[3], const double b[3]) {
+/* Would grain `number` at a touch one at b of a size? */
+static bool shelf_touches(const struct shelf *s, const double a[3], const double b[3], int number, int other) {
+    const double d = s->diameter * 0.5 * (size_of(s->kinds, number) + size_of(s->kinds, other));
     double r2 = 0;
     for (int k = 0; k < s->box->dim; k++) {
-        double d = fabs(a[k] - b[k]);
-        if (s->box->periodic[k]) d = fmin(d, s->length[k] - d);
-        r2 += d * d;
+        double r = fabs(a[k] - b[k]);
+        if (s->box->periodic[k]) r = fmin(r, s->length[k] - r);
+        r2 += r * r;
     }
-    return r2 < s->diameter * s->diameter;
+    return r2 < d * d;
 }
 
-static bool shelf_has_room(const struct shelf *s, const double x[3]) {
+static bool shelf_has_room(const struct shelf *s, const double x[3], int number) {
     int at[3], near[3], many = s->box->dim == 2 ? 9 : 27;
     if (s->box->facets && facet_cells_nearest(s->box->facets, &s->walls, x, true) < s->radius) return false;
     shelf_find(s, x, at);
@@ -250,7 +272,7 @@ static bool shelf_has_room(const struct shelf *s, const double x[3]) {
         }
         if (outside) continue;
         for (int32_t g = s->head[shelf_cell(s, near)]; g >= 0; g = s->next[g])
-            if (shelf_touches(s, x, s->x[g])) return false;
+            if (shelf_touches(s, x, s->x[g], number, g)) return false;
     }
     return true;
 }
@@ -273,7 +295,7 @@ static status add(const struct levels *l, double diameter, int n, struct random 
         const struct packing_level *v = levels_deal(l, start, *added);
         int tries = 0;
         do levels_draw(l, v, r, x[*added]);
-        while (!shelf_has_room(&s, x[*added]) && ++tries < TRIES);
+        while (!shelf_has_room(&s, x[*added], *added) && ++tries < TRIES);
         if (tries == TRIES) break;
         shelf_put(&s, *added);
     }
@@ -290,10 +312,11 @@ struct growing {
     int n;
     double (*x)[3], (*u)[3];
     int64_t impacts;
+    struct grain_kinds kinds; /* elastic */
 };
 
 static double packing_of(const struct growing *w) {
-    return w->n * volume_of(w->box.dim, w->diameter) / grains_volume(&w->box);
+    return w->n * volume_of(w->box.dim, w->diameter) * grains_mean_size(&w->kinds, w->box.dim) / grains_volume(&w->box);
 }
 
 /* Sets T back to full^2, because growth heats the grains, and the centre of mass to rest. */
@@ -313,7 +336,8 @@ static void rescale(struct growing *w) {
 
 /* Grows the grains by up to 5 % of the diameter; by less where the impacts are too many, which is how jamming shows. */
 static status grow_piece(struct growing *w) {
-    struct grain_law law = {.diameter = w->diameter, .growth = w->rate * w->full, .mass = 1, .restitution = 1};
+    struct grain_law law = {
+        .diameter = w->diameter, .growth = w->rate * w->full, .mass = 1, .restitution = 1, .kinds = w->kinds};
     double end = fmin(w->full, 1.05 * w->diameter), until = (end - w->diameter) / law.growth;
     struct grains *g = NULL;
     TRY(grains_make(&w->box, &law, w->n, (const double(*)[3])w->x, (const double(*)[3])w->u, 0, &g));
@@ -329,7 +353,8 @@ static status grow_piece(struct growing *w) {
  * slowly, or the grains jam early. */
 static status grow(struct growing *w) {
     static const double rates[] = {3, 0.1, 0.03};
-    double wanted = w->n * volume_of(w->box.dim, w->full) / grains_volume(&w->box);
+    double wanted =
+        w->n * volume_of(w->box.dim, w->full) * grains_mean_size(&w->kinds, w->box.dim) / grains_volume(&w->box);
     for (int k = 0; w->diameter < w->full;) {
         double before = w->diameter;
         if (k == 0 && packing_of(w) > (w->box.dim == 2 ? 0.7 : 0.5)) k = 1;
@@ -345,9 +370,13 @@ static status grow(struct growing *w) {
     return OK;
 }
 
-static status grow_from(const struct grain_box *box, double small, double full, int n, uint64_t seed, double (*x)[3],
+static status grow_from(const struct levels *l, double small, double full, int n, uint64_t seed, double (*x)[3],
                         struct packing_report *report) {
+    const struct grain_box *box = l->box;
     struct growing w = {.box = *box, .diameter = small, .full = full, .n = n, .x = x};
+    if (l->field->kinds) w.kinds = *l->field->kinds;
+    for (int a = 0; a < w.kinds.n; a++) /* grains of one mass, which all move at the same speed */
+        for (int b = 0; b < w.kinds.n; b++) w.kinds.mass[a] = w.kinds.restitution[a][b] = 1;
     w.box.wall_restitution = NULL;
     w.box.shear = 0;
     w.box.shut = true;
@@ -367,9 +396,10 @@ static status grow_from(const struct grain_box *box, double small, double full, 
 
 /* ---- */
 
-static status check_room(const struct grain_box *box, double diameter, int n) {
+static status check_room(const struct grain_box *box, double diameter, const struct grain_kinds *kinds, int n) {
     bool disks = box->dim == 2;
-    double packing = n * volume_of(box->dim, diameter) / grains_volume(box), most = disks ? 0.9069 : 0.7405;
+    double packing = n * volume_of(box->dim, diameter) * mean_size(kinds, box->dim) / grains_volume(box);
+    const double most = kinds ? 1 : disks ? 0.9069 : 0.7405;
     for (int k = 0; k < box->dim; k++) {
         double length = box->high[k] - box->low[k], least = diameter * (box->periodic[k] ? 3 : 1);
         if (!(length > least * (1 + 2 * SLACK)))
@@ -397,7 +427,7 @@ static status place(const struct levels *l, double diameter, int n, uint64_t see
         if (added == n) break;
     }
     report->added = share;
-    return share < 1 ? grow_from(l->box, share * full, full, n, seed, x, report) : OK;
+    return share < 1 ? grow_from(l, share * full, full, n, seed, x, report) : OK;
 }
 
 status packing_places(const struct grain_box *box, double diameter, const struct packing_field *f, int n, uint64_t seed,
@@ -406,7 +436,7 @@ status packing_places(const struct grain_box *box, double diameter, const struct
     struct levels l;
     *report = (struct packing_report){.added = 1};
     if (n == 0) return OK;
-    TRY(check_room(box, diameter, n));
+    TRY(check_room(box, diameter, f->kinds, n));
     status result = levels_make(box, diameter * (1 + SLACK), f, &l);
     if (!result) result = place(&l, diameter, n, seed, x, report);
     levels_free(&l);
@@ -428,26 +458,36 @@ static long cell_of(const struct grain_box *box, const struct packing_field *f, 
     return index;
 }
 
-/* Draws peculiar velocities c = sqrt(T) (normal - mean), so that their sum is 0, and scales them by the factor that
- * solves sum |u + factor c|^2 = sum |u|^2 + dim T. */
+/* Mass of a grain over the mean mass. */
+static double mass_of(const struct grain_kinds *all, int number) {
+    double sum = 0;
+    if (!all) return 1;
+    for (int k = 0; k < all->n; k++) sum += (all->first[k + 1] - all->first[k]) * all->mass[k];
+    return all->mass[kind_of(all, number)] * all->first[all->n] / sum;
+}
+
+/* Draws peculiar velocities c = sqrt(T/m) (normal - mean), so that the sum of m c is 0, and scales them by the factor
+ * that solves sum m |u + factor c|^2 = sum m |u|^2 + dim T; m = 1 where all are alike. */
 void packing_velocities(const struct grain_box *box, const struct packing_field *f, int n, uint64_t seed,
                         const double (*x)[3], double (*u)[3]) {
     struct random r = random_make(seed, VELOCITIES);
     double sum[3] = {0}, width = 0, mixed = 0, square = 0, wanted = 0;
     for (int i = 0; i < n; i++) {
-        double s = f->T ? sqrt(f->T[cell_of(box, f, x[i])]) : 0;
-        width += s;
-        for (int k = 0; k < 3; k++) sum[k] += u[i][k] = k < box->dim ? s * random_normal(&r) : 0;
+        const double m = mass_of(f->kinds, i);
+        double s = f->T ? sqrt(f->T[cell_of(box, f, x[i])] / m) : 0;
+        width += m * s;
+        for (int k = 0; k < 3; k++) sum[k] += m * (u[i][k] = k < box->dim ? s * random_normal(&r) : 0);
     }
     for (int i = 0; i < n && width > 0; i++) {
+        const double m = mass_of(f->kinds, i);
         long cell = cell_of(box, f, x[i]);
-        double s = f->T ? sqrt(f->T[cell]) : 0;
+        double s = f->T ? sqrt(f->T[cell] / m) : 0;
         for (int k = 0; k < box->dim; k++) {
             u[i][k] -= sum[k] * s / width;
-            mixed += u[i][k] * (f->u[k] ? f->u[k][cell] : 0);
-            square += u[i][k] * u[i][k];
+            mixed += m * (u[i][k] * (f->u[k] ? f->u[k][cell] : 0));
+            square += m * (u[i][k] * u[i][k]);
         }
-        wanted += box->dim * s * s;
+        wanted += m * (box->dim * s * s);
     }
     double factor = square > 0 ? (sqrt(mixed * mixed + square * wanted) - mixed) / square : 0;
     for (int i = 0; i < n; i++) {

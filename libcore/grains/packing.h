@@ -16,6 +16,9 @@ struct packing_field {
     const double *alpha;           /* [cells] packing fraction; NULL: the same everywhere */
     const double *T;               /* [cells] m^2/s^2, variance of each velocity component */
     const double *u[3];            /* [cells] m/s, box frame; NULL: 0 */
+    /* of a mixture, the largest first: `diameter` is theirs, T is the mean of mass times variance over the mean mass,
+     * and all kinds have the same energy; NULL: all are alike */
+    const struct grain_kinds *kinds;
 };
 struct packing_report {
     double added;    /* diameter / final diameter at which the grains were added; 1: they did not have to grow */

@@ -22,7 +22,7 @@ void dem_run_free(struct dem_run *r) {
 }
 
 static struct coarse_grid grid_of(const struct dem_run *r) {
-    struct coarse_grid g = grains_grid(r->setup, r->models);
+    struct coarse_grid g = grains_grid(r->setup, r->models, NULL);
     g.rough = true;
     return g;
 }

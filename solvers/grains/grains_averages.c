@@ -31,6 +31,25 @@ static void grid_numbers(const struct coarse_grid *g, double v[16]) {
     while (n < 16) v[n++] = 0;
 }
 
+struct coarse_grid grains_grid(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh) {
+    const struct lattice *l = s->lattice;
+    struct coarse_grid g = {.dim = s->dim,
+                            .kernel = m->kernel,
+                            .width = m->width,
+                            .mass = m->grain.mass,
+                            .diameter = m->grain.diameter,
+                            .kinds = m->kinds.n ? &m->kinds : NULL,
+                            .mesh = mesh ? &mesh->base : NULL};
+    for (int k = 0; k < 3; k++) {
+        const bool solved = k < g.dim;
+        g.n[k] = mesh ? 1 : l->n[k];
+        g.low[k] = !solved ? 0 : mesh ? mesh->low[k] : l->origin[k];
+        g.h[k] = !solved ? 1 : mesh ? mesh->high[k] - mesh->low[k] : l->width[k];
+        g.periodic[k] = solved && (mesh ? mesh->periodic[k] : l->periodic[k]);
+    }
+    return g;
+}
+
 static double sample_time(const struct averages_mark *m) {
     return ((double)m->index + (m->taken + 0.5) / m->samples) * m->window;
 }

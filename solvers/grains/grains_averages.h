@@ -6,6 +6,8 @@
 #define SOLVERS_GRAINS_AVERAGES_H
 
 #include "libcore/grains/coarse.h"
+#include "solvers/grains/grains_mesh.h"
+#include "solvers/grains/grains_models.h"
 
 struct averages_mark { /* how far the averages are; saved as it is */
     double window;     /* s; 0: the fields are always of the present moment */
@@ -21,6 +23,8 @@ struct averages_saved { /* for a restart */
     long nsums;
     double *sums[2]; /* [nsums]: running window, last complete one */
 };
+/* Returns the cells of the averages: those of the lattice, or of a mesh, which stand in place of one box around it. */
+struct coarse_grid grains_grid(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh);
 /* Makes averages that start at time t (s); `grains` is their number. */
 status averages_make(const struct coarse_grid *grid, double window, int samples, double t, int grains,
                      struct averages **out);

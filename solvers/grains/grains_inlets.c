@@ -58,6 +58,7 @@ status grains_inlets_find(const struct setup *s, const struct grains_start *star
         m->feeds[p] = s->mesh->patch[p].nfaces > 0 && gives(start->field[FIELD_U], p);
         if (!m->feeds[p]) continue;
         TRY(check_inlet(s, start, p));
+        if (m->kinds.n) return dict_fail(m->properties, "species", "grains that come in are of one kind");
         m->open[p] = true;
         *any = true;
     }

@@ -87,7 +87,8 @@ static struct grain_law law_of(const struct grains_models *m) {
                               .mass = m->grain.mass,
                               .restitution = m->grain.restitution,
                               .threshold = m->grain.threshold,
-                              .gravity = {g[0], g[1], g[2]}};
+                              .gravity = {g[0], g[1], g[2]},
+                              .kinds = m->kinds};
 }
 
 status grains_check_shape(struct setup *s, const struct grains_models *m) {
@@ -145,37 +146,6 @@ static status medium_state(struct setup *s) {
     return setup_grid(s, x->mesh != NULL, 1);
 }
 
-struct coarse_grid grains_grid(const struct setup *s, const struct grains_models *m) {
-    const struct lattice *l = s->lattice;
-    struct coarse_grid g = {
-        .dim = l->dim, .kernel = m->kernel, .width = m->width, .mass = m->grain.mass, .diameter = m->grain.diameter};
-    for (int k = 0; k < 3; k++) {
-        g.n[k] = l->n[k];
-        g.low[k] = k < l->dim ? l->origin[k] : 0;
-        g.h[k] = k < l->dim ? l->width[k] : 1;
-        g.periodic[k] = k < l->dim && l->periodic[k];
-    }
-    return g;
-}
-
-/* The cells of the mesh stand in place of those of one box around it. */
-static struct coarse_grid grid_of(const struct grains_run *x) {
-    if (!x->mesh) return grains_grid(x->base.setup, x->models);
-    struct coarse_grid g = {.dim = x->box.dim,
-                            .kernel = x->models->kernel,
-                            .width = x->models->width,
-                            .mass = x->law.mass,
-                            .diameter = x->law.diameter,
-                            .mesh = &x->mesh->base};
-    for (int k = 0; k < 3; k++) {
-        g.n[k] = 1;
-        g.low[k] = k < g.dim ? x->box.low[k] : 0;
-        g.h[k] = k < g.dim ? x->box.high[k] - x->box.low[k] : 1;
-        g.periodic[k] = k < g.dim && x->box.periodic[k];
-    }
-    return g;
-}
-
 /* Returns the sum of column k over the walls in a block of rows of grains_impulses: 1 of grains that left, 2 of those
  * that came. */
 static double sum_of_walls(const struct grains_run *x, int block, int k) {
@@ -227,15 +197,19 @@ static status make_anew(struct grains_run *x, const struct grains *old) {
     const int all = grains_number(old);
     const double t = grains_time(old);
     double(*at)[3] = NULL, (*u)[3] = NULL;
-    int n = 0;
+    const struct grain_kinds kinds = x->law.kinds;
+    int n = 0; /* grains that stay */
     status e = allocate(&at, all, sizeof *at, "places of grains");
     if (!e) e = allocate(&u, all, sizeof *u, "velocities of grains");
     if (!e) grains_at(old, t, at, u);
     for (int i = 0; i < all && !e; i++) {
+        for (int k = 0; k <= kinds.n; k++) /* numbers move up */
+            if (isnan(at[i][0]) && i < kinds.first[k]) x->law.kinds.first[k]--;
         if (isnan(at[i][0])) continue;
         memmove(at[n], at[i], sizeof *at);
         memmove(u[n++], u[i], sizeof *u);
     }
+    x->models->kinds = x->law.kinds;
     if (!e) e = grains_make(&x->box, &x->law, n, (const double(*)[3])at, (const double(*)[3])u, t, &x->grains);
     free(at);
     free(u);
@@ -246,6 +220,8 @@ static status resume(struct grains_run *x) {
     const struct grains_state *s = &x->saved;
     struct grains *old = NULL;
     TRY(fit_saved(x));
+    grains_models_count(x->models, s->n);
+    x->law.kinds = x->models->kinds;
     const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, (const double(*)[3])s->impulse};
     TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
                     x->base.setup->start.name));
@@ -266,6 +242,7 @@ static status place(struct grains_run *x) {
     const struct setup *s = x->base.setup;
     struct grain_start *p = &x->placed;
     status e = grain_start_make(s, x->models, &x->box, &x->start, p);
+    x->law.kinds = x->models->kinds;
     if (!e && !p->from_cloud && x->box.shear != 0 && s->start.t != 0)
         e = dict_fail(x->models->properties, "shearRate",
                       "grains of a sheared box are put in place at time 0, not at %s", s->start.name);
@@ -286,7 +263,7 @@ static status place(struct grains_run *x) {
 
 static status make_averages(struct grains_run *x) {
     const struct grains_models *m = x->models;
-    const struct coarse_grid grid = grid_of(x);
+    const struct coarse_grid grid = grains_grid(x->base.setup, x->models, x->mesh);
     const bool goes_on = x->saved.n && !x->changed;
     return status_note(averages_resume(&grid, m->window, m->samples, x->base.setup->start.t, grains_number(x->grains),
                                        goes_on ? &x->saved.averages : NULL, &x->averages, &x->kept),
@@ -328,6 +305,8 @@ static status medium_start(struct medium *m) {
     grains_start_drop(&x->start);
     x->table.start = grains_totals(x->grains, &x->box, x->law.mass);
     x->last = x->table.start.counts;
+    x->table.kinds = x->law.kinds.n;
+    x->table.kind_name = x->models->kind_name;
     if (x->table.start.impulse) { /* the start's own: the grains' go on */
         double rows[3];
         grains_state_walls(&x->box, rows);
@@ -585,6 +564,7 @@ static status keep_present(const struct grains_run *x, struct cloud *c) {
         if (isnan(c->x[i][0])) continue;
         memcpy(c->x[n], c->x[i], sizeof c->x[n]);
         memcpy(c->u[n], c->u[i], sizeof c->u[n]);
+        if (c->size) c->size[n] = c->size[i];
         c->id[n++] = i;
     }
     c->n = n;
@@ -598,6 +578,11 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     if (!x->models->write_cloud) return OK;
     TRY(cloud_make(grains_number(x->grains), out));
     out->diameter = x->law.diameter;
+    if (x->law.kinds.n) TRY(allocate(&out->size, out->n, sizeof *out->size, "diameters of grains"));
+    for (int i = 0, k = 0; i < out->n && out->size; i++) {
+        while (k < x->law.kinds.n - 1 && i >= x->law.kinds.first[k + 1]) k++;
+        out->size[i] = x->law.kinds.size[k];
+    }
     grains_at(x->grains, grains_time(x->grains), out->x, out->u);
     TRY(keep_present(x, out));
     for (int i = 0; i < out->n; i++) {

@@ -18,7 +18,6 @@ extern const struct quantity grains_quantity[];             /* rho alpha U T p T
 extern const enum coarse_field grains_coarse_of[];          /* of each */
 extern const int grains_written[];                          /* all, ended by -1 */
 int grains_components(const struct setup *s, int quantity); /* how many lie along solved axes */
-struct coarse_grid grains_grid(const struct setup *s, const struct grains_models *m);
 /* Returns the entry of the start, NULL: the patch is calculated. */
 const struct patch_field *grains_patch(const struct grains_start *start, int quantity, int patch);
 /* Warns if the case's gas has grains of another shape than the mesh gives those that move here. */

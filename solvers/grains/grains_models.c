@@ -31,6 +31,8 @@ static const struct param grains_param[] = {
 };
 static const struct param hard_param[] = {
     IGNORED("contact", "for granularDEM: the forces of soft grains"),
+    NOTED("species", "dictionary", "none", "the kinds of grains of a mixture, 8 at most, by names",
+          "species { big { diameter 2e-3; } small { diameter 1e-3; fraction 4; } }"),
 };
 static const char *const kernel_names[] = {"cell", "Heaviside", "Gaussian", NULL};
 static const struct param coarse_param[] = {
@@ -45,6 +47,22 @@ static const struct param coarse_param[] = {
 struct wall {
     double restitution, friction;
 };
+struct kind {
+    const char *name;
+    double diameter, mass, number, restitution;
+};
+#define PARAM_STRUCT struct kind
+#define SIZE         FROM_TO(0, HUGE_VAL), .example = "diameter 1e-3;"
+static const struct param kind_param[] = {
+    NUMBER("diameter", diameter, USUALLY(0, "that of grain"), SIZE, UNIT(0, 1, 0), "of these grains"),
+    NUMBER("mass", mass, USUALLY(0, "that of grain, as diameter^dim"), FROM_TO(0, HUGE_VAL), UNIT(1, 0, 0), "of one"),
+    NUMBER("fraction", number, 1, BETWEEN(0, HUGE_VAL), NO_UNIT,
+           "of the number of grains; over the sum of all fractions"),
+    NUMBER("restitution", restitution, USUALLY(-1, "that of grain"), FROM_TO(0, 1), NO_UNIT, "of two of this kind"),
+    NOTED("with", "dictionary", "the mean of both restitutions", "restitution of this kind and others, by their names",
+          "with { added 0.8; }"),
+};
+#undef PARAM_STRUCT
 #define PARAM_STRUCT struct wall
 static const struct param granular_param[] = {
     NOTED("grain", "dictionary", NULL, "the grains", "grain { diameter 1e-3; restitution 0.9; }"),
@@ -108,7 +126,80 @@ static status read_walls(struct dict *d, const struct polymesh *mesh, struct gra
     return OK;
 }
 
-static status read_properties(struct dict *d, const struct polymesh *mesh, const struct control *c,
+static int larger_first(const void *a, const void *b) {
+    const struct kind *x = a, *y = b;
+    return x->diameter != y->diameter ? (x->diameter > y->diameter ? -1 : 1) : strcmp(x->name, y->name);
+}
+
+static status read_kind(struct dict *all, const char *name, const struct material *grain, int dim, struct kind *out) {
+    struct dict *d;
+    TRY(dict_sub(all, name, &d));
+    TRY(params_read(d, kind_param, COUNT(kind_param), out));
+    (void)dict_has(d, "with");
+    out->name = name;
+    if (out->diameter == 0) out->diameter = grain->diameter;
+    const double ratio = out->diameter / grain->diameter;
+    if (out->mass == 0) out->mass = grain->mass * ratio * ratio * (dim == 2 ? 1 : ratio);
+    if (out->restitution < 0) out->restitution = grain->restitution;
+    return OK;
+}
+
+/* Reads the restitution of each pair, which either of the two kinds may give. */
+static status read_pairs(struct dict *all, const struct kind *kind, struct grain_kinds *out) {
+    static const signed char number[3] = {0, 0, 0};
+    for (int a = 0; a < out->n; a++) {
+        struct dict *d, *with;
+        TRY(dict_sub(all, kind[a].name, &d));
+        TRY(dict_sub_optional(d, "with", &with));
+        for (int b = 0; b < out->n; b++) {
+            double *e = &out->restitution[a][b], given;
+            if (!with || !dict_has(with, kind[b].name)) continue;
+            TRY(dict_number(with, kind[b].name, number, &given));
+            if (!(given >= 0 && given <= 1)) return dict_fail(with, kind[b].name, "a restitution lies in 0 to 1");
+            *e = out->restitution[b][a] = given;
+        }
+    }
+    return OK;
+}
+
+/* Reads the kinds of a mixture, the largest first, which stands for `grain` then. */
+static status read_species(struct dict *d, int dim, struct grains_models *m) {
+    struct kind kind[GRAIN_KINDS];
+    struct dict *all = NULL;
+    double sum = 0;
+    TRY(dict_sub_optional(d, "species", &all));
+    const int n = all ? dict_count(all) : 0;
+    if (n > GRAIN_KINDS) return dict_fail(d, "species", "%d kinds at most", GRAIN_KINDS);
+    for (int k = 0; k < n; k++) {
+        TRY(read_kind(all, dict_key(all, k), &m->grain, dim, &kind[k]));
+        sum += kind[k].number;
+    }
+    if (!n) return OK;
+    qsort(kind, (size_t)n, sizeof *kind, larger_first);
+    m->kinds.n = n;
+    m->grain.diameter = kind[0].diameter;
+    m->grain.mass = kind[0].mass;
+    for (int a = 0; a < n; a++) {
+        m->kind_name[a] = kind[a].name;
+        m->share[a] = kind[a].number / sum;
+        m->kinds.size[a] = kind[a].diameter / kind[0].diameter;
+        m->kinds.mass[a] = kind[a].mass / kind[0].mass;
+        for (int b = 0; b < n; b++) m->kinds.restitution[a][b] = 0.5 * (kind[a].restitution + kind[b].restitution);
+    }
+    grains_models_count(m, 1000000);
+    return read_pairs(all, kind, &m->kinds);
+}
+
+void grains_models_count(struct grains_models *m, int n) {
+    double sum = 0;
+    for (int k = 0; k < m->kinds.n; k++) {
+        m->kinds.first[k] = (int)floor(sum * n + 0.5);
+        sum += m->share[k];
+    }
+    m->kinds.first[m->kinds.n] = m->kinds.n ? n : 0;
+}
+
+static status read_properties(struct dict *d, int dim, const struct polymesh *mesh, const struct control *c,
                               struct grains_models *m) {
     struct dict *coarse = NULL, *none = NULL;
     TRY(params_read(d, grains_param, COUNT(grains_param), m));
@@ -116,6 +207,7 @@ static status read_properties(struct dict *d, const struct polymesh *mesh, const
         TRY(grains_contact_read(d, m));
     else
         TRY(params_read(d, hard_param, COUNT(hard_param), m));
+    if (!m->soft) TRY(read_species(d, dim, m));
     TRY(read_walls(d, mesh, m));
     TRY(dict_sub_optional(d, "coarseGraining", &coarse));
     if (!coarse) TRY(dict_from_text("coarseGraining", "", &none));
@@ -144,7 +236,7 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
     snprintf(path, sizeof path, "%s/constant/particleProperties", dir);
     if (field_exists(path)) TRY(dict_read(path, &m->properties));
     if (!m->properties) TRY(dict_from_text(path, "", &none));
-    status s = read_properties(m->properties ? m->properties : none, mesh, c, m);
+    status s = read_properties(m->properties ? m->properties : none, dim, mesh, c, m);
     dict_free(none);
     return s;
 }
@@ -188,6 +280,8 @@ static void list(FILE *f, bool soft) {
     fprintf(f, "\nconstant/particleProperties (may be missing)\n");
     params_print(f, grains_param, COUNT(grains_param));
     if (soft) grains_contact_list(f);
+    if (!soft) fprintf(f, "\nspecies { <name> { } }: a mixture\n");
+    if (!soft) params_print(f, kind_param, COUNT(kind_param));
     fprintf(f, "\nwalls { <patch> { } }\n");
     params_print(f, soft ? soft_wall_param : wall_param, COUNT(wall_param));
     fprintf(f, "\ncoarseGraining { }: the fields of written times\n");
@@ -230,6 +324,8 @@ static void keywords(struct keywords *k, bool soft) {
         grains_contact_keywords(k, properties);
     else
         keywords_params(k, hard_param, COUNT(hard_param));
+    if (!soft) keywords_at(k, properties, "species/NAME", NULL);
+    if (!soft) keywords_params(k, kind_param, COUNT(kind_param));
     keywords_at(k, properties, "walls/PATCH", NULL);
     keywords_params(k, soft ? soft_wall_param : wall_param, COUNT(wall_param));
     keywords_at(k, properties, "coarseGraining", NULL);
@@ -265,6 +361,12 @@ void grains_models_print(FILE *f, const struct grains_models *m) {
     fprintf(f, "Models\n    %-22s %.10g m, %.10g kg\n    %-22s %.10g\n    %-22s %.10g m/s\n", "grain",
             m->grain.diameter, m->grain.mass, "restitution", m->grain.restitution, "thresholdSpeed",
             m->grain.threshold);
+    for (int a = 0; a < m->kinds.n; a++) {
+        fprintf(f, "    %-22s %.10g m, %.10g kg, %.4g %% of the grains, restitution", m->kind_name[a],
+                m->kinds.size[a] * m->grain.diameter, m->kinds.mass[a] * m->grain.mass, 100 * m->share[a]);
+        for (int b = 0; b < m->kinds.n; b++) fprintf(f, " %.6g with %s", m->kinds.restitution[a][b], m->kind_name[b]);
+        fprintf(f, "\n");
+    }
     forces_print(f, &m->forces);
     if (m->shear != 0) fprintf(f, "    %-22s %.10g 1/s\n", "shearRate", m->shear);
     fprintf(f, "    %-22s %s", "coarse graining", kernel_names[m->kernel]);

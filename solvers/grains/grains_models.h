@@ -17,6 +17,9 @@ struct grains_models {
     int number, seed;      /* number 0: it follows from the field alpha or rho */
     double shear;          /* 1/s: shear rate of a periodic box */
     bool write_cloud;
+    struct grain_kinds kinds;  /* of a mixture; then `grain` is the largest of it. Numbers by grains_models_count */
+    double share[GRAIN_KINDS]; /* of each kind in the number of grains */
+    const char *kind_name[GRAIN_KINDS];
     enum coarse_kernel kernel;
     double width, window;  /* m, s; window 0: fields are of a moment */
     int samples;           /* moments in a window */
@@ -32,6 +35,7 @@ struct grains_models {
 /* Reads the models of hard or soft grains; the write interval of `control` is the default of the window. */
 status grains_models_read(const char *case_dir, const struct polymesh *mesh, int dim, const int axis[3],
                           const struct control *control, bool soft, struct grains_models **out);
+void grains_models_count(struct grains_models *m, int n); /* deals n grains to the kinds of a mixture */
 void grains_models_free(struct grains_models *m);
 void grains_models_list(FILE *f);
 void grains_models_keywords(struct keywords *k); /* goes through all that a run of hard grains reads */

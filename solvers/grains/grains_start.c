@@ -81,7 +81,8 @@ static status check_velocity(const struct setup *s, const struct field *U) {
 
 static status take_density(const struct setup *s, const struct grains_models *m, struct grains_start *p) {
     const double d = m->grain.diameter, packed = s->dim == 2 ? PI / sqrt(12) : PI / sqrt(18);
-    const double per = (s->dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / m->grain.mass; /* alpha / rho */
+    double per = (s->dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / m->grain.mass; /* alpha / rho */
+    if (m->kinds.n) per *= grains_mean_size(&m->kinds, s->dim) / grains_mean_mass(&m->kinds);
     const bool alpha = p->field[FIELD_ALPHA] != NULL;
     const struct field *f = p->field[alpha ? FIELD_ALPHA : FIELD_RHO];
     char what[128];
@@ -200,8 +201,10 @@ void grains_start_free(struct grains_start *p) {
     for (int i = 0; i < FIELD_COUNT; i++) field_free(p->field[i]);
 }
 
-static struct packing_field field_of(const struct setup *s, const struct grains_start *p) {
+static struct packing_field field_of(const struct setup *s, const struct grains_models *m,
+                                     const struct grains_start *p) {
     struct packing_field f = {.alpha = p->alpha, .T = p->T, .u = {p->u[0], p->u[1], p->u[2]}};
+    if (m->kinds.n) f.kinds = &m->kinds;
     if (p->mesh) f.mesh = &p->mesh->base;
     for (int k = 0; k < 3; k++) f.n[k] = p->mesh ? 1 : s->lattice->n[k];
     return f;
@@ -213,12 +216,13 @@ static status make_room(struct grain_start *out, int n) {
     return allocate(&out->u, n, sizeof *out->u, "velocities of grains");
 }
 
-static status take_cloud(const struct setup *s, const struct grains_models *m, const struct cloud *c,
+static status take_cloud(const struct setup *s, struct grains_models *m, const struct cloud *c,
                          struct grain_start *out) {
     if (m->number && m->number != c->n)
         return dict_fail(m->properties, "N", "lagrangian/grains/positions of time %s holds %d grains; leave N out",
                          s->start.folder, c->n);
     TRY(make_room(out, c->n));
+    grains_models_count(m, c->n);
     out->from_cloud = true;
     if (c->spin) TRY(allocate(&out->spin, c->n, sizeof *out->spin, "spins of grains"));
     for (int i = 0; c->spin && i < c->n; i++)
@@ -239,19 +243,20 @@ static status count_grains(const struct setup *s, const struct grains_models *m,
                 s->dir, s->start.folder);
 }
 
-static status place_grains(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
+static status place_grains(const struct setup *s, struct grains_models *m, const struct grain_box *box,
                            const struct packing_field *f, struct grain_start *out) {
     int n;
     TRY(count_grains(s, m, box, f, &n));
     TRY(make_room(out, n));
+    grains_models_count(m, n);
     status e = packing_places(box, m->grain.diameter, f, n, (uint64_t)m->seed, out->x, &out->packing);
     if (m->number) return status_note(e, "%s:%d: N %d", dict_path(m->properties), dict_line(m->properties, "N"), n);
     return status_note(e, "%s/%s/%s: %d grains", s->dir, s->start.folder, there(s, "alpha") ? "alpha" : "rho", n);
 }
 
-status grain_start_make(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
+status grain_start_make(const struct setup *s, struct grains_models *m, const struct grain_box *box,
                         const struct grains_start *fields, struct grain_start *out) {
-    const struct packing_field f = field_of(s, fields);
+    const struct packing_field f = field_of(s, m, fields);
     struct cloud cloud = {.n = 0};
     char folder[2 * TIME_PATH];
     bool moving = false;

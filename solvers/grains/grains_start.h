@@ -38,7 +38,7 @@ struct grain_start {
 };
 /* Makes the start from lagrangian/grains of the time folder or, without it, from the fields. The caller frees x, u and
  * spin, also after an error. */
-status grain_start_make(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
+status grain_start_make(const struct setup *s, struct grains_models *m, const struct grain_box *box,
                         const struct grains_start *fields, struct grain_start *out);
 
 #endif

@@ -76,7 +76,12 @@ static void law_numbers(const struct grain_law *l, double v[LAW]) {
     memcpy(v, numbers, sizeof numbers);
 }
 static void numbers_law(const double v[LAW], struct grain_law *l) {
-    *l = (struct grain_law){v[0], v[1], v[2], v[3], v[4], {v[5], v[6], v[7]}};
+    *l = (struct grain_law){.diameter = v[0],
+                            .growth = v[1],
+                            .mass = v[2],
+                            .restitution = v[3],
+                            .threshold = v[4],
+                            .gravity = {v[5], v[6], v[7]}};
 }
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law) {
     double was[BOX + LAW], is[BOX + LAW];
@@ -87,7 +92,7 @@ bool grains_state_same(const struct grains_state *s, const struct grain_box *box
     law_numbers(law, is + BOX);
     for (int i = 0; i < BOX + LAW; i++)
         if (was[i] != is[i]) return false;
-    return true;
+    return !memcmp(&s->law.kinds, &law->kinds, sizeof law->kinds);
 }
 
 status grains_state_write(const struct grains_state *s, const char *path, const char *location, bool compress,
@@ -117,6 +122,7 @@ status grains_state_write(const struct grains_state *s, const char *path, const 
     for (int k = 0; k < 2; k++) sink_write(o, s->averages.sums[k], (size_t)s->averages.nsums * sizeof(double));
     if (s->walls[0] > 0) sink_write(o, s->impulse, (size_t)s->walls[0] * sizeof *s->impulse);
     if (s->fed) sink_write(o, &s->inflow, sizeof s->inflow);
+    if (s->law.kinds.n) sink_write(o, &s->law.kinds, sizeof s->law.kinds);
     sink_printf(o, ")\n");
     return sink_close_sum(o, sum);
 }
@@ -134,14 +140,20 @@ static bool take_numbers(struct bytes *b, struct grains_state *s) {
     return true;
 }
 
+/* Takes what stands behind the lists of grains that come in, or of a mixture. */
+static bool take_more(struct bytes *b, struct grains_state *s) {
+    s->fed = b->left == 2 + sizeof s->inflow;
+    if (s->fed) return bytes_take(b, &s->inflow, sizeof s->inflow);
+    return b->left == 2 || bytes_take(b, &s->law.kinds, sizeof s->law.kinds);
+}
+
 static bool take_lists(struct bytes *b, struct grains_state *s) {
     const size_t n = (size_t)s->n, sums = (size_t)s->averages.nsums * sizeof(double);
     const size_t walls = (size_t)s->walls[0] * sizeof *s->impulse;
     return bytes_take(b, s->grain, n * sizeof *s->grain) && bytes_take(b, s->event, n * sizeof *s->event) &&
            bytes_take(b, s->id, n * sizeof *s->id) && bytes_take(b, s->averages.sums[0], sums) &&
            bytes_take(b, s->averages.sums[1], sums) && (walls == 0 || bytes_take(b, s->impulse, walls)) &&
-           (!(s->fed = b->left > 2) || bytes_take(b, &s->inflow, sizeof s->inflow)) && b->left == 2 &&
-           !memcmp(b->at, ")\n", 2);
+           take_more(b, s) && b->left == 2 && !memcmp(b->at, ")\n", 2);
 }
 
 static status allocate_lists(struct grains_state *s) {
@@ -162,6 +174,7 @@ static bool sound(const struct grains_state *s) {
         if (ok) seen[s->id[i]] = 1;
     }
     free(seen);
+    ok = ok && s->law.kinds.n >= 0 && s->law.kinds.n <= GRAIN_KINDS;
     if (s->fed) ok = ok && s->inflow.next >= s->t && s->inflow.renewed <= s->t;
     return ok && averages_sound(&s->averages);
 }

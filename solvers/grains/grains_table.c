@@ -7,7 +7,8 @@
 
 struct grains_totals grains_totals(const struct grains *g, const struct grain_box *box, double mass) {
     struct grains_totals p = {.t = grains_time(g), .counts = *grains_counted(g), .impulse = grains_impulses(g)};
-    const double all = mass * fmax(1, grains_present(g));
+    const double all = fmax(mass, grains_total_mass(g));
+    grains_kinds_T(g, p.kind_T);
     grains_energy(g, &p.kinetic, &p.potential, p.momentum);
     double mean = 0; /* square of the mean velocity */
     for (int k = 0; k < box->dim; k++) mean += p.momentum[k] * p.momentum[k] / (all * all);
@@ -21,7 +22,9 @@ static bool is_wall(const struct patch *p) {
     return strcmp(p->type, "empty") != 0 && strcmp(p->type, "cyclic") != 0;
 }
 
-static status write_row(FILE *f, const struct setup *s, const struct grain_box *b, const struct grains_totals *p) {
+static status write_row(const struct grains_table *table, const struct setup *s, const struct grain_box *b,
+                        const struct grains_totals *p) {
+    FILE *f = table->file;
     fprintf(f, "%.17g %lld %lld %lld %lld %.17g %.17g %.17g %.17g", p->t, (long long)p->counts.pairs,
             (long long)p->counts.walls, (long long)p->counts.elastic, (long long)p->counts.events, p->T, p->kinetic,
             p->potential, p->counts.lost);
@@ -36,6 +39,7 @@ static status write_row(FILE *f, const struct setup *s, const struct grain_box *
         if (is_wall(&s->mesh->patch[w])) fprintf(f, " %.17g", p->impulse[s->mesh->npatches + w][0]);
     for (int w = 0; b->fed && w < s->mesh->npatches; w++)
         if (is_wall(&s->mesh->patch[w])) fprintf(f, " %.17g", p->impulse[2 * s->mesh->npatches + w][0]);
+    for (int k = 0; k < table->kinds; k++) fprintf(f, " %.17g", p->kind_T[k]);
     return case_end_row("grains", f);
 }
 
@@ -56,14 +60,15 @@ static status open_table(struct grains_table *p, const struct setup *s, const st
         if (is_wall(&s->mesh->patch[w])) fprintf(p->file, " left_%s", s->mesh->patch[w].name);
     for (int w = 0; b->fed && w < s->mesh->npatches; w++)
         if (is_wall(&s->mesh->patch[w])) fprintf(p->file, " came_%s", s->mesh->patch[w].name);
+    for (int k = 0; k < p->kinds; k++) fprintf(p->file, " T_%s", p->kind_name[k]);
     fprintf(p->file, "\n");
-    return write_row(p->file, s, b, &p->start);
+    return write_row(p, s, b, &p->start);
 }
 
 status grains_table_row(struct grains_table *p, const struct setup *s, const struct grain_box *box,
                         const struct grains_totals *now) {
     if (!p->file) TRY(open_table(p, s, box));
-    return write_row(p->file, s, box, now);
+    return write_row(p, s, box, now);
 }
 
 void grains_table_close(struct grains_table *p) {

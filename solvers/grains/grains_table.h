@@ -12,12 +12,15 @@ struct grains_totals {                      /* all in the frame of the box */
     double kinetic, potential, momentum[3]; /* J, kg m/s along computational axes */
     struct grain_counts counts;
     const double (*impulse)[3]; /* of grains_impulses */
+    double kind_T[GRAIN_KINDS]; /* of grains_kinds_T */
 };
 struct grains_totals grains_totals(const struct grains *g, const struct grain_box *box, double mass);
 
 struct grains_table {           /* a zeroed table has no row yet */
     struct grains_totals start; /* totals at the start of this run */
     FILE *file;
+    int kinds;
+    const char *const *kind_name; /* [kinds] of a mixture */
 };
 status grains_table_row(struct grains_table *p, const struct setup *s, const struct grain_box *box,
                         const struct grains_totals *now);

@@ -31,6 +31,7 @@ void cloud_free(struct cloud *c) {
     free(c->cell);
     free(c->id);
     free(c->spin);
+    free(c->size);
     *c = (struct cloud){.n = 0};
 }
 
@@ -54,7 +55,7 @@ static status print_list(struct sink *s, const struct cloud *c, int file, const 
         if (file == ID)
             label[i] = c->id ? c->id[i] : i;
         else
-            number[i] = c->diameter;
+            number[i] = c->size ? c->diameter * c->size[i] : c->diameter;
     if (file == ID)
         foam_list_write_labels(s, f, c->n, label);
     else
@@ -201,7 +202,7 @@ status cloud_write_vtk(const struct cloud *c, const char *folder, const char *na
     TRY(allocate(&number, 2L * c->n, sizeof(double), "VTK fields"));
     for (int i = 0; i < c->n; i++) {
         number[i] = c->id ? c->id[i] : i;
-        number[c->n + i] = c->diameter;
+        number[c->n + i] = c->size ? c->diameter * c->size[i] : c->diameter;
     }
     const struct vtk_field fields[] = {{"id", 1, number},
                                        {"d", 1, number + c->n},

@@ -15,6 +15,7 @@ struct cloud { /* a zeroed cloud has no grains */
     int *cell;         /* [n] polyMesh cell */
     int *id;           /* [n]; NULL: 0 .. n-1 */
     double diameter;   /* m; 0: not known */
+    double *size;      /* [n] diameters over that; NULL: all are alike */
 };
 status cloud_make(int n, struct cloud *out); /* allocates all lists but spin and id */
 void cloud_free(struct cloud *c);

@@ -42,7 +42,7 @@ TABLES = {
     "solvers/functions/functions_average.c": {"key", "quantity_of(f, it->field)->name"},
     "solvers/gas/limiter.c": {"counts[i].key"},
     "solvers/gas/models.c": {"families[ENGINE].key"},
-    "solvers/grains/grains_models.c": {"patch->name"},
+    "solvers/grains/grains_models.c": {"patch->name", "name", "kind[a].name", "kind[b].name", "dict_key(all, k)"},
     "solvers/programs/meshrules.c": {"rule->patch"},
     "solvers/programs/run.c": {"p->name"},
     "solvers/output/totals.c": {"first[i].name"},
@@ -338,6 +338,8 @@ class Programs(unittest.TestCase):
 
     def check(self, program, base, changes, lid=None):
         """A copy of an example with lines added to files, through checkCase (or gmshToCase): what it says. lid: type of that patch of the mesh."""
+        if program == "granularMD" and re.search(r"type (uniform|expr)?([fF]ixedValue|[iI]nletOutlet)", changes.get("0.orig/U", "")):
+            changes = {**changes, "constant/particleProperties": "coarseGraining { kernel cell; }\n"}  # behind an inlet walls are facets
         case = os.path.join(self.folder, "run", "copy")
         shutil.copytree(os.path.join(self.folder, base), case)
         try:
@@ -392,7 +394,7 @@ class Programs(unittest.TestCase):
         entries += f" {BESIDES.get(place, '')} {f'type {when};' if when else ''} {last}"
         for part in reversed(inside.split("/") if inside else []):
             if part == "NAME":
-                fields = "" if when in ("forces", "forceCoeffs", "fieldAverage", "writeObjects") or "/fields/" in inside or inside == "carried/NAME" else f"fields ({FIELD[program]});"
+                fields = "" if when in ("forces", "forceCoeffs", "fieldAverage", "writeObjects") or "/fields/" in inside or inside in ("carried/NAME", "species/NAME") else f"fields ({FIELD[program]});"
                 type_ = next((text for key, text in AROUND.items() if key in inside), "")
                 entries = f"{type_} {fields} {entries}"
             if part == "PATCH" and inside in ("patches/PATCH", "boundary/PATCH"):

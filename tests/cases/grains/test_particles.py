@@ -439,7 +439,7 @@ class BadInput(harness.Folder, unittest.TestCase):
         Row("point grains", ("constant/granularProperties", "diameter 1;", "diameter 0;"), "greater than 0"),
         Row("unknown property", ("constant/granularProperties", "cooling Haff;", "coolin Haff;"), "not used", "cooling"),
         Row("open top", ("0/U", "yHigh\n    {\n        type slip;", "yHigh\n    {\n        type fixedValue;\n        value uniform (0 -1 0);"),
-            "patch yHigh", "grains come in there, and alpha says not how", "slip", at="type fixedValue;"),
+            "patch yHigh", "grains come in there, and alpha says not how", "fixedValue", at="type fixedValue;"),
         Row("rough wall", ("0/U", "yLow\n    {\n        type slip;", "yLow\n    {\n        type noSlip;"), "smooth", at="type noSlip;"),
         Row("thermal wall", ("0/T", "yLow\n    {\n        type zeroGradient;", "yLow\n    {\n        type fixedValue;\n        value uniform 1;"),
             "zeroGradient", "give no heat", at="type fixedValue;"),
