@@ -78,6 +78,7 @@ static void make_faces(const struct gas *g, const double *U, const struct strip 
     const struct axis_lines *lines = &w->along[axis];
     memset(f, 0, sizeof *f);
     f->n = whole_vectors(s->n);
+    f->padding = f->n - s->n;
     f->dim = g->components;
     f->stride = g->forest->stride[axis];
     f->p = w->p + offset;

@@ -14,7 +14,8 @@ enum face_rule { NO_RULE, SHOCK_RULE, EXPANSION_RULE, CONTACT_RULE };
 /* n faces between the cells "left" and "right". A pointer stands at the left cell of face 0; cell m of a face's stencil
  * (m = -2 .. 3; left is 0, right is 1) is `stride` further per m. Components of vectors: normal first. */
 struct faces {
-    int n, dim; /* dim: components of velocity, as many as the gas has */
+    int n, dim;  /* dim: components of velocity, as many as the gas has */
+    int padding; /* of the n faces, the last ones that only fill a vector: their fluxes are not read */
     long stride;
     const double *state[MAX_VAR]; /* rho, rho u_normal, rho u_tangential .., E */
     const double *flux[MAX_VAR];  /* physical fluxes of the cells, along the normal */

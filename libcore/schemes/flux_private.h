@@ -36,9 +36,9 @@ void flux_sided_pressure(const struct faces *f, int side, const struct reconstru
 /* ---- rules of single faces (flux_rules.c; docs/physics.md 6.12) ----
  *
  * Four kinds of faces of the flux `common` follow a rule of their own (commonCoeffs; by default on lattices, that of
- * fronts everywhere); all others keep their flux to the bit. The fluxes stay consistent and single, so everything is
- * conserved. No rule but the last acts where all waves run one way. Numbers and reasons:
- * postprocessing/reports/denseShocks.md.
+ * fronts everywhere); all others keep their flux to the bit, but for smooth faces (flux_smooth.c). The fluxes stay
+ * consistent and single, so everything is conserved. No rule but the last acts where all waves run one way. Numbers and
+ * reasons: postprocessing/reports/denseShocks.md.
  * - Strong shocks (the pressure rises 30 times over four cells that nearly fulfil the Hugoniot relation; and the faces
  *   beside): the entropy is split with max(|u| + c), and reconstructed by PHM. Upwinded, entropy is not damped inside
  *   of a shock, and what each crossed cell leaves of it stays behind as noise of the density.
@@ -69,6 +69,18 @@ void rules_find(const struct faces *f, struct winds *w, struct rules *r);
 /* Computes the fluxes f->out of contacts. */
 void rules_contacts(const struct faces *f, const struct eos *eos, const struct material *m, const struct reconstruct *r,
                     const struct rules *rules);
+
+/* Returns the faces of a span alone. The rules that the caller has found are read no more. */
+struct faces faces_of_span(const struct faces *f, struct face_span s);
+
+/* ---- smooth faces (flux_smooth.c; docs/physics.md 6.12) ---- */
+
+/* Marks the faces that are not smooth (1, else 0); returns how many they are, f->n if there are no others. */
+int smooth_find(const struct faces *f, double *rough);
+/* Makes s the next run of groups that hold rough faces, from s->to on; returns whether there is one. */
+bool smooth_ends(int n, const double *rough, struct face_span *s);
+/* Computes the fluxes of all faces by the linear scheme of fifth order; b: the common bases, of both cells. */
+void smooth_through(const struct faces *f, const struct bases *b);
 
 /* ---- centred fluxes (flux_force.c) ---- */
 

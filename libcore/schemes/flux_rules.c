@@ -302,10 +302,11 @@ ALWAYS_INLINE void through_contact(int dim, const struct side q[2], int i, doubl
     out[dim + 1][i] = (E + p) * speed;
 }
 
-/* Returns the faces of a span alone. */
-static struct faces faces_of(const struct faces *f, struct face_span s) {
+struct faces faces_of_span(const struct faces *f, struct face_span s) {
     struct faces part = *f;
     part.n = s.to - s.from;
+    part.padding = s.to - (f->n - f->padding);
+    if (part.padding < 0) part.padding = 0;
     for (int v = 0; v < f->dim + 2; v++) {
         part.state[v] = f->state[v] + s.from;
         part.flux[v] = f->flux[v] + s.from;
@@ -316,8 +317,8 @@ static struct faces faces_of(const struct faces *f, struct face_span s) {
     part.eps = f->eps + s.from;
     part.c = f->c + s.from;
     part.gruneisen = f->gruneisen + s.from;
-    part.rule = NULL; /* which is read no more, as is the floor */
-    part.floor = NULL;
+    part.rule = NULL;
+    if (f->floor) part.floor = f->floor + s.from;
     if (f->flat) part.flat = f->flat + s.from;
     if (!f->rise) return part;
     for (int side = 0; side < 2; side++) part.base[side] = f->base[side] + s.from;
@@ -332,7 +333,7 @@ void rules_contacts(const struct faces *f, const struct eos *eos, const struct m
     const int from = rules->contacts.from;
     struct side q[2];
     if (from >= rules->contacts.to) return;
-    const struct faces part = faces_of(f, rules->contacts);
+    const struct faces part = faces_of_span(f, rules->contacts);
     side_of(&part, eos, m, 1, r, &q[0]);
     side_of(&part, eos, m, -1, r, &q[1]);
     for (int i = 0; i < part.n; i++)

@@ -20,6 +20,7 @@ enum rule_switch { RULE_OFF, RULE_ON, RULE_LATTICES }; /* the last: on lattices,
 
 struct common_rules { /* parameters of the flux `common` */
     enum rule_switch shocks, expansions, contacts, fronts;
+    bool smooth; /* do smooth faces take the linear scheme? */
 };
 OWN_PARAMS_FIT(struct common_rules);
 
@@ -29,22 +30,24 @@ static inline bool rule_is_wanted(enum rule_switch is, bool lattice) {
 struct wanted_rules {
     bool shocks, expansions, contacts; /* which the flux finds by its stencil */
     bool fronts;                       /* which the engine finds, for struct faces' floor */
+    bool smooth;                       /* on lattices, not under gravity: rest is kept by the fluxes, not the states */
 };
 /* Returns the rules that `common` has with these parameters (NULL: none) on a lattice or on polyhedra; falls: under
  * gravity. */
 static inline struct wanted_rules rules_wanted(const struct own_params *params, bool lattice, bool falls) {
-    struct common_rules is = {RULE_OFF, RULE_OFF, RULE_OFF, RULE_OFF};
+    struct common_rules is = {RULE_OFF, RULE_OFF, RULE_OFF, RULE_OFF, false};
     if (params) memcpy(&is, params, sizeof is);
     return (struct wanted_rules){.shocks = rule_is_wanted(is.shocks, lattice),
                                  .expansions = rule_is_wanted(is.expansions, lattice) && !falls,
                                  .contacts = rule_is_wanted(is.contacts, lattice),
-                                 .fronts = rule_is_wanted(is.fronts, lattice)};
+                                 .fronts = rule_is_wanted(is.fronts, lattice),
+                                 .smooth = is.smooth && lattice && !falls};
 }
 
 /* The same of any flux. */
 static inline struct wanted_rules rules_of(const struct flux *flux, const struct own_params *params, bool lattice,
                                            bool falls) {
-    return flux->ruled ? rules_wanted(params, lattice, falls) : (struct wanted_rules){false, false, false, false};
+    return flux->ruled ? rules_wanted(params, lattice, falls) : (struct wanted_rules){0};
 }
 
 /* Conditions are numbers 0 or 1, which & and | join without a branch. */
