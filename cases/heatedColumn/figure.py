@@ -11,7 +11,7 @@ from studies.checks import vibrated
 
 runs = {"gas": "", "gas, $\\mu$ = 0": "fourier", "grains": "grains"}
 found = {name: haff.Case(script.folder(sub)) for name, sub in runs.items() if os.path.isdir(script.folder(sub, "constant", "polyMesh"))}
-exact = vibrated.column(script.folder())
+exact = vibrated.column(found["gas"])
 fig, (panels,) = figures.panels(1, 2)
 y = np.linspace(0, 600, 400)
 for panel, field in zip(panels, ("T", "alpha")):

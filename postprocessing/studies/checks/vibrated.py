@@ -26,12 +26,14 @@ def temperature(case, field, time, height):
     return float((p["alpha"] * p["T"])[near].sum() / p["alpha"][near].sum())
 
 
-def column(path):
-    """The steady equations of heatedColumn, by a boundary value problem; gravity is raised in parts so that each solution starts the next."""
-    warm = disks.numbers(path, "0.orig/T", r"floor\s+\{ type fixedValue; value uniform (\S+);")[0]
-    gas, flow = garzoDufty.Grains(2, disks.Disks.of(path).e), None
+def column(case):
+    """The steady equations of heatedColumn with the mass of the run, by a boundary value problem; gravity is raised in parts so that each solution starts
+    the next."""
+    warm = disks.numbers(case.path, "0.orig/T", r"floor\s+\{ type fixedValue; value uniform (\S+);")[0]
+    gas, flow = garzoDufty.Grains(2, disks.Disks.of(case.path).e), None
+    packing = case.field("alpha", case.times[-1]).mean()
     for part in (0, 0.1, 0.3, 0.6, 1):
-        flow = disks.Channel(gas, 600, gas.per * 3 / 600, {"T": warm}, {}, (0, -part), guess=flow)
+        flow = disks.Channel(gas, 600, packing, {"T": warm}, {}, (0, -part), 1e-8 if part == 1 else 1e-4, flow)
     return flow
 
 
@@ -69,7 +71,7 @@ QUANTITIES = {
     "height of the greatest packing": lambda case, field, time: float(shaken(case)["y"][shaken(case)["alpha"].argmax()]),
     "height of the centre of mass": lambda case, field, time: float(columns.centre(shaken(case))),
     "T about height": temperature,
-    "mean error of the column": lambda case, field, time: float(disks.error(case, column(case.path), field, axis=1)),
+    "mean error of the column": lambda case, field, time: float(disks.error(case, column(case), field, axis=1)),
     "least T": lambda case, field, time: float(steady(case)["T"].min()),
     "height of the least T": lambda case, field, time: float(steady(case)["y"][steady(case)["T"].argmin()]),
 }
