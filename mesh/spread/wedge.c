@@ -215,7 +215,7 @@ static status make_points(struct wedge *w) {
     free(m->points);
     m->points = points;
     m->npoints += w->twins;
-    m->round = (struct round){true, w->axial, w->radial, w->axis[0], 2 * depth};
+    m->round = (struct revolution){true, w->axial, w->radial, w->axis[0], 2 * depth};
     return OK;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* OpenFOAM's meshes of bodies of revolution: one layer of cells between two planes through the axis, the patches of
- * type `wedge`. They become the plane mesh of (axial, radial) cells that struct round (polymesh.h) knows, cell by cell:
- * fields keep their order, so that what is written belongs to the files of the wedge. */
+ * type `wedge`. They become the plane mesh of (axial, radial) cells that struct revolution (polymesh.h) knows, cell by
+ * cell: fields keep their order, so that what is written belongs to the files of the wedge. */
 #ifndef MESH_WEDGE_H
 #define MESH_WEDGE_H
 
