@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flattens OpenFOAM's wedges (wedge.h). A point at the distance r from the axis and at half the angle of the wedge
- * keeps its place along the axis, gets r along the radius, and the side of its plane across. */
+/* Flattens OpenFOAM's wedges (wedge.h, docs/physics.md 1.4). A point at the distance r from the axis and at half the
+ * angle of the wedge keeps its place along the axis, gets r along the radius, and the side of its plane across. */
 #include "mesh/spread/wedge.h"
 
 #include <math.h>
@@ -120,8 +120,8 @@ static bool on_high(const struct wedge *w, int point) {
     return w->m->points[3L * point + w->across] > w->axis[1];
 }
 
-/* Writes the corners of a face to `to`; returns their number. Of two corners of the axis one behind the other, in a
- * face on neither plane, nothing is known. */
+/* Writes the corners of a face to `to`; returns their number. side: 0 and 1 of faces on the low and the high plane; of
+ * others -1: where their corner on the axis joins both planes it becomes two. */
 static int new_corners(const struct wedge *w, const int *of, int n, int side, int *to) {
     int count = 0;
     for (int i = 0; i < n; i++) {
