@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flattens OpenFOAM's wedges (wedge.h, docs/physics.md 1.4). A point at the distance r from the axis and at half the
- * angle of the wedge keeps its place along the axis, gets r along the radius, and the side of its plane across. */
+/* Flattens OpenFOAM's wedges, bodies of revolution (wedge.h; docs/physics.md 1.4). A point at the distance r from the
+ * axis and at half the angle of the wedge keeps its place along the axis, gets r along the radius, and the side of its
+ * plane across. */
 #include "mesh/spread/wedge.h"
 
 #include <math.h>
