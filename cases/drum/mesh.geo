@@ -1,5 +1,5 @@
-// A round drum, R = 30 mm, of triangles; edges of 30/N mm.
-DefineConstant[ N = {15, Min 4, Step 1, Name "edges in a radius"} ];
+// A round drum, R = 30 mm, of triangles with N edges in a radius.
+DefineConstant[ N = {12, Min 4, Step 1, Name "edges in a radius"} ];
 R = 0.03;
 
 Point(1) = {0, 0, 0};

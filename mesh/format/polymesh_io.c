@@ -257,17 +257,17 @@ static status read_groups(struct lexer *l, const struct token *key, char **out) 
 }
 
 static status check_type(struct lexer *l, const struct token *name, const struct patch *p) {
-    static const char *const known[] = {"patch", "wall", "empty", "cyclic", "symmetry", "symmetryPlane"};
+    static const char *const known[] = {"patch", "wall", "empty", "cyclic", "symmetry", "symmetryPlane", "wedge"};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (p->type && strcmp(p->type, known[i]) == 0) {
             if (i == 3 && !p->neighbour)
                 return lexer_fail(l, name, "this cyclic patch needs a neighbourPatch, its other half");
             return OK;
         }
-    return lexer_fail(l, name,
-                      "this patch has the type '%s'; allowed are patch wall empty cyclic symmetry symmetryPlane%s",
-                      p->type ? p->type : "(none)",
-                      p->type && strcmp(p->type, "processor") == 0 ? "; reconstruct the decomposed case first" : "");
+    return lexer_fail(
+        l, name, "this patch has the type '%s'; allowed are patch wall empty cyclic symmetry symmetryPlane wedge%s",
+        p->type ? p->type : "(none)",
+        p->type && strcmp(p->type, "processor") == 0 ? "; reconstruct the decomposed case first" : "");
 }
 
 static status read_patch(struct lexer *l, const struct polymesh *m, const struct token *name, struct patch *p) {

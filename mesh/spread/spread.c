@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "mesh/spread/spread_private.h"
+#include "mesh/spread/wedge.h"
 
 /* ---- faces on their way ------------------------------------------------------------------------------------------ */
 
@@ -272,6 +273,8 @@ static status make(const char *dir, struct lists *lists, bool lattice, struct sp
     const struct comm *c = lists->faces.comm;
     bool found = false;
     TRY(comm_agree(c, begin_mesh(dir, lists, mesh)));
+    *sound = !wedge_has(*mesh); /* each rank flattens the whole of it */
+    if (!*sound) return OK;
     TRY(outline_sum(lists, &(*mesh)->outline->sum));
     outline_box(lists, (*mesh)->outline);
     if (lattice) TRY(sites_find(lists, *mesh, &found));

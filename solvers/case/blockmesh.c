@@ -5,6 +5,7 @@
 #include "mesh/base/comm.h"
 #include "mesh/format/boxes.h"
 #include "mesh/spread/spread.h"
+#include "mesh/spread/wedge.h"
 #include "solvers/dict/params.h"
 
 #include <limits.h>
@@ -313,7 +314,9 @@ static bool find(char path[MESH_PATH], struct timespec *changed) {
 /* Reads the polyMesh in out->path; c: the ranks over which it may be spread, or NULL; arrays: see spread_read. */
 static status read_polymesh(const struct comm *c, bool arrays, struct case_mesh *out) {
     if (c && !comm_pretends(c)) TRY(spread_read(out->path, c, true, arrays, &out->spread, &out->mesh));
-    return out->mesh ? OK : polymesh_read(out->path, &out->mesh);
+    if (out->mesh) return OK;
+    TRY(polymesh_read(out->path, &out->mesh));
+    return wedge_flatten(out->mesh, out->path);
 }
 
 static status read_mesh(const char *dir, const struct comm *c, bool arrays, struct case_mesh *out) {

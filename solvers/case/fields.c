@@ -375,6 +375,11 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
                          struct patch_field *out) {
     TRY(dict_word(d, "type", &out->type));
     out->line = dict_line(d, "type");
+    const struct patch *p = &at->mesh->patch[patch];
+    if (p->said && strcmp(out->type, p->said) != 0)
+        return dict_fail(d, "type", "patch %s is of type %s in %s; field %s must have type %s there", p->name, p->said,
+                         polymesh_boundary_file(at->mesh), kind->name, p->said);
+    if (p->said) out->type = p->type;
     TRY(check_type(d, kind, at->mesh, patch, out->type));
     const struct boundary_type *type = boundary_find(out->type);
     if (type) TRY(read_type(d, kind, at, patch, type, out));
@@ -382,7 +387,8 @@ static status read_patch(struct dict *d, const struct field_kind *kind, const st
 }
 
 /* Returns the key of the entry that is a patch's, in OpenFOAM's order: its name, the last of its groups in the file, a
- * pattern that fits the name. NULL: an `empty` patch has the first two only, and needs none. */
+ * pattern that fits the name. NULL: an `empty` patch has the first two only, and needs none,
+ * nor do those that a wedge brings along. */
 static const char *entry_of(const struct dict *all, const struct patch *p, bool *exact) {
     const char *group = NULL;
     *exact = true;
@@ -391,7 +397,7 @@ static const char *entry_of(const struct dict *all, const struct patch *p, bool 
         if (!group && patch_in_group(p, dict_key(all, i))) group = dict_key(all, i);
     }
     *exact = group;
-    return group ? group : strcmp(p->type, "empty") ? p->name : NULL;
+    return group ? group : strcmp(p->type, "empty") && !p->said ? p->name : NULL;
 }
 
 /* Has an entry no effect, though it may stand there: for a group whose patches all have entries of their own, a pattern
@@ -448,7 +454,7 @@ static status read_patches(struct field *f, const struct field_place *at) {
         const struct patch *p = &m->patch[i];
         const char *key = entry_of(all, p, &exact);
         if (!exact) TRY(check_leftover(f, p));
-        f->patch[i] = (struct patch_field){.type = "empty", .line = dict_line(f->dict, "boundaryField")};
+        f->patch[i] = (struct patch_field){.type = p->type, .line = dict_line(f->dict, "boundaryField")};
         if (!key) continue;
         TRY(status_note(dict_sub(all, key, &one), "%s: no entry for patch '%s' (type %s in %s)%s", dict_path(f->dict),
                         p->name, p->type, polymesh_boundary_file(m), idle));

@@ -132,5 +132,8 @@ status round_read(struct setup *s) {
 }
 
 status round_refuse(const struct setup *s, const char *what, const char *cure) {
-    return dict_fail(s->mesh_dict, "axis", "%s is not there in round flow yet: %s", what, cure);
+    if (s->mesh_dict && dict_has(s->mesh_dict, "axis"))
+        return dict_fail(s->mesh_dict, "axis", "%s is not there in round flow yet: %s", what, cure);
+    return fail(ERR_INPUT, "%s/boundary: patches of type wedge: %s is not there in round flow yet: %s", s->mesh_path,
+                what, cure);
 }

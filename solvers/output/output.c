@@ -283,10 +283,10 @@ static status fetch_patch(const struct field_writer *w, int p, void *context) {
 
 static void print_patch(struct sink *s, const struct field_writer *w, int p, const void *context) {
     const struct printing *c = context;
-    const char *type = w->mesh->patch[p].type;
+    const char *type = w->mesh->patch[p].type, *said = w->mesh->patch[p].said;
     const bool beyond = c->part && p >= c->part->npatches;
     if (is_constraint(type) || beyond) {
-        sink_printf(s, "        %-15s %s;\n", "type", type);
+        sink_printf(s, "        %-15s %s;\n", "type", said ? said : type);
         if (beyond) print_cells(s, w, p, c, true);
         return;
     }

@@ -78,6 +78,7 @@ SHIPPED = {
     "chuteDEM": Row("chuteDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "columnDEM": Row("columnDEM", {}, ended(0.004), [("constant/particleProperties", r"N +0;", "N 200;")]),
     "chute": Row("chute", {"N": 18}, ended(0.1)),
+    "drum": Row("drum", {"N": 6}, ended(0.05)),
     "columnCollapse": Row("columnCollapse", {"N": 12}, ended(0.03)),
     "cooling3D": Row("cooling3D", {"N": 16}, ended(40)),
     "cooling3DMD": Row("cooling3DMD", {"L": 24, "N": 6}, ended(40, deltaT=20)),

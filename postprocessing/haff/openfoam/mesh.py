@@ -15,9 +15,8 @@ from haff.case.foam import FormatError
 from haff.openfoam import dictionary
 from haff.openfoam.report import Refused
 
-ALLOWED = ("patch", "wall", "empty", "symmetry", "symmetryPlane", "cyclic")
-CURES = {"wedge": "haff has no axisymmetry: mesh a sector of 90 or 180 degrees in three dimensions, with symmetryPlane on its sides, or a plane",
-         "processor": "the case is decomposed: run reconstructParMesh and reconstructPar first",
+ALLOWED = ("patch", "wall", "empty", "symmetry", "symmetryPlane", "cyclic", "wedge")
+CURES = {"processor": "the case is decomposed: run reconstructParMesh and reconstructPar first",
          "cyclicAMI": "haff joins patches whose faces fit one to one: mesh both sides alike, and make them cyclic"}
 LEFTOVER = "defaultFaces"
 PARTS = ("points", "faces", "owner", "neighbour")

@@ -10,7 +10,7 @@ from haff.openfoam import values
 from haff.openfoam.report import Refused
 from haff.openfoam.values import Series, combined
 
-MIRRORS = ("empty", "cyclic", "symmetry", "symmetryPlane")
+MIRRORS = ("empty", "cyclic", "symmetry", "symmetryPlane", "wedge")
 # type: the entry of its value
 GIVEN = {"fixedValue": "value", "uniformFixedValue": "uniformValue", "freestreamPressure": "freestreamValue", "freestream": "freestreamValue",
          "totalTemperature": "T0"}

@@ -71,6 +71,11 @@ def drawn_ratio(section):
     return min(max(size[0] / size[1], 1 / STRIP), STRIP)
 
 
+def section_of(space, wish):
+    section = space.flat() if space.dim == 2 else space.cut(*wish.cut)
+    return section.mirrored(*wish.mirror) if wish.mirror else section
+
+
 def sections(space, wish):
     """Fields, or one field at several times, in colours on one section."""
     case = space.case
@@ -81,7 +86,7 @@ def sections(space, wish):
     if len(times) > MANY:
         raise CannotDraw(f"{len(times)} pictures are too many for one figure; haffMovie makes a film of them, or name some times:"
                          f"  -time {','.join(spread(times, 4))}")
-    section = space.flat() if space.dim == 2 else space.cut(*wish.cut)
+    section = section_of(space, wish)
     shown = [(time, word) for time in times for word in names]
     if len(times) > 1 and not wish.span:
         wish = dataclasses.replace(wish, span=common_span(case, times, names[0], wish))

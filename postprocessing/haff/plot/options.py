@@ -18,6 +18,7 @@ def add(parser, times=True):
     if times:
         parser.add_argument("-time", metavar="T", default="last", help="last (default), all, a time, or several: 0.1,0.2")
     parser.add_argument("-slice", metavar="PLANE", help="x=0.5, y=.., z=.., or normal,point as nx,ny,nz:px,py,pz")
+    parser.add_argument("-mirror", metavar="LINE", help="y=0: with the image beyond that line, as of a body of revolution; values are those of the mesh's half")
     parser.add_argument("-line", metavar="A:B", help="x0,y0,z0:x1,y1,z1: values along a line")
     parser.add_argument("-component", metavar="C", choices=PARTS, help="of vectors: x, y, z or mag (the size; default); also FIELD.x")
     parser.add_argument("-range", metavar="A:B", help="ends of the colours, or of the values of a curve")
@@ -73,6 +74,14 @@ def plane(parser, text):
     return normal, point
 
 
+def mirror(parser, text):
+    """(coordinate, place) of y=0."""
+    found = re.fullmatch(r"([xyz])=(.+)", text)
+    if not found:
+        parser.error(f"-mirror {text}: a coordinate and its place: y=0")
+    return found.group(1), numbers(parser, found.group(2), 1, "-mirror", "y=0")[0]
+
+
 def line(parser, text):
     form = "two points, x0,y0,z0:x1,y1,z1"
     return tuple(numbers(parser, part, 3, "-line", form) for part in halves(parser, text, "-line", form))
@@ -100,7 +109,7 @@ def wish(parser, o, fields):
     if sum(bool(x) for x in (o.slice, o.line, o.iso is not None, o.volume)) > 1:
         parser.error("one of -slice, -line, -iso, -volume at a time")
     cut = plane(parser, o.slice) if o.slice else None
-    return Wish(fields=fields, time=getattr(o, "time", "last"), cut=cut, line=line(parser, o.line) if o.line else None,
+    return Wish(fields=fields, time=getattr(o, "time", "last"), cut=cut, mirror=mirror(parser, o.mirror) if o.mirror else None, line=line(parser, o.line) if o.line else None,
                         component=o.component, span=span(parser, o.range) if o.range else None, log=o.log, contours=o.contours, mesh=o.mesh,
                         iso=o.iso, volume=o.volume, size=size(parser, o.size) if o.size else None, dpi=o.dpi)
 

@@ -42,6 +42,29 @@ class Section:
             return self.corners.reshape(len(self.ends), self.ends[0], 2)
         return np.split(self.corners, np.cumsum(self.ends)[:-1])
 
+    def mirrored(self, name, at):
+        """This section and its image beyond the line name = at, as of a body of revolution about its axis."""
+        k = self.names.index(name) if name in self.names else None
+        if k is None:
+            raise CannotDraw(f"-mirror {name}: the picture has the coordinates {' and '.join(self.names)}")
+        near = 1e-6 * (self.high - self.low)[k]
+        if self.low[k] < at - near:
+            raise CannotDraw(f"-mirror {name}={at:g}: the mesh lies on both sides, from {self.low[k]:g} to {self.high[k]:g}")
+
+        def image(places):
+            beyond = places.copy()
+            beyond[..., k] = 2 * at - beyond[..., k]
+            return beyond
+        lines = [np.concatenate((lines, image(lines)))[np.tile((np.abs(lines[..., k] - at) > near).any(axis=1), 2)] for lines in (self.walls, self.rims)]
+        if self.raster is None:
+            return Section(self.names, *lines, corners=np.concatenate((image(self.corners), self.corners)), ends=np.tile(self.ends, 2),
+                           cells=np.tile(self.cells, 2))
+        edges, rows = list(self.edges), np.moveaxis(self.raster, 1 - k, 0)
+        touches = edges[k][0] < at + near
+        hole = np.full((0 if touches else 1, *rows.shape[1:]), -1)
+        edges[k] = np.concatenate((2 * at - edges[k][:0 if touches else None:-1], edges[k]))
+        return Section(self.names, *lines, raster=np.moveaxis(np.concatenate((rows[::-1], hole, rows)), 0, 1 - k), edges=tuple(edges))
+
     def image(self, values):
         """Values [cells] on the raster, nan where there is no cell."""
         picture = values[self.raster].astype(float)

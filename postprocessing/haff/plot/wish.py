@@ -11,11 +11,12 @@ from haff.plot.quantity import CannotDraw
 
 @dataclasses.dataclass
 class Wish:
-    """fields: names, U.x is a component; time: a name, "last", "all" or several names; cut: (normal, point); line: (a, b); span: (low, high) of
+    """fields: names, U.x is a component; time: a name, "last", "all" or several names; cut: (normal, point); mirror: (coordinate, place); line: (a, b); span: (low, high) of
     colours and values; size: (width, height) in pixels."""
     fields: list = dataclasses.field(default_factory=list)
     time: str = "last"
     cut: tuple = None
+    mirror: tuple = None
     line: tuple = None
     component: str = None
     span: tuple = None

@@ -13,13 +13,13 @@ from haff.case.mesh import Mesh
 
 class Patch:
     """A patch of the mesh: type in the polyMesh, faces, area (m^2), mean normal (outwards; of length 1 where the patch is plane), look: the
-    mean sizes of the normals' components; extruded: is it empty without being told so?"""
+    mean sizes of the normals' components; low: lowest centre of a face; extruded: is it empty without being told so?"""
 
-    def __init__(self, name, kind, faces, areas):
+    def __init__(self, name, kind, faces, areas, low):
         size = np.sqrt((areas**2).sum(axis=1))
         self.name, self.type, self.faces, self.area = name, kind, faces, float(size.sum())
         self.normal, self.look = areas.sum(axis=0) / self.area, np.abs(areas).sum(axis=0) / self.area
-        self.extruded = kind == "empty"
+        self.low, self.extruded = low, kind == "empty"
 
     @property
     def plane(self):
@@ -35,7 +35,8 @@ class Geometry:
         self.low, self.high, self.cells = mesh.points.min(axis=0), mesh.points.max(axis=0), mesh.cells
         self.patches = []
         for name, (kind, first, faces) in mesh.patches.items():
-            self.patches.append(Patch(name, kind, faces, mesh.face_geometry(first, first + faces)[1]))
+            centres, areas = mesh.face_geometry(first, first + faces)
+            self.patches.append(Patch(name, kind, faces, areas, centres.min(axis=0)))
         self.volumes, self.lattice, self.edges = mesh.cell_geometry()[1], mesh.lattice is not None, mesh.lattice and mesh.lattice.edges
         self.find_axes()
 

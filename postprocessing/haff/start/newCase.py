@@ -7,6 +7,7 @@
     newCase DIR mesh.geo -Mach 4                            a stream that enters at the patch `inlet`
     newCase DIR -box 100x40 -gravity 981 -shaking 3,10 -diameter 1 -grains disks -transport
     newCase DIR mesh.geo -application granularMD            grains in place of a gas; granularDEM: soft ones with friction
+    newCase DIR -box 2x1 -round                             the body of revolution of a plane mesh about the x axis
     newCase DIR -chute 25                                   a layer slides down a rough floor, inclined by 25 degrees
     newCase DIR -silo 8                                     a silo runs out of a slot, 8 grains wide; its flow rate is written
     newCase DIR -column 2                                   a column, twice as high as wide, collapses on a floor
@@ -77,6 +78,7 @@ def parser():
     made.add_argument("-periodic", metavar="A,B", action="append", default=[], help="two patches that are joined; may be repeated")
     made.add_argument("-box", metavar="LxHxD", help="extent of a box, along one to three axes (1x1)")
     made.add_argument("-cells", metavar="NxMxK", help="of a box (100x100)")
+    made.add_argument("-round", action="store_true", help="the mesh of (x, y) cells stands for the body of revolution about the x axis")
     made.add_argument("-chute", type=float, metavar="ANGLE", help="degrees")
     made.add_argument("-silo", type=float, nargs="?", const=8.0, metavar="WIDTH", help="of the slot, in grain diameters (8)")
     made.add_argument("-column", type=float, nargs="?", const=1.0, metavar="ASPECT", help="height over width (1)")
@@ -170,6 +172,8 @@ def make(o, folder):
     """The case in an empty folder: (the numbers, lines to say). ValueError."""
     mesh_of(o, folder)
     found = geometry.Geometry(folder)
+    if o.round:
+        o.patch = patches.on_axis(found) + o.patch
     kind, unknown = patches.kinds(found, [f"{name}={what}" for name, what in (o.problem.kind if o.problem else {}).items()] + o.patch, o.periodic)
     pairs = patches.partners(found, kind, o.periodic)
     if any(kind[p.name] == "empty" and p.type != "empty" for p in found.patches):  # of a mesh of one layer: the axis counts no more

@@ -89,6 +89,14 @@ def partners(geometry, kind, pairs):
     return found
 
 
+def on_axis(geometry):
+    """What the patches on the x axis are in a body of revolution about it: mirrors. ValueError where the mesh does not lie beside it."""
+    if geometry.axes != [0, 1] or geometry.low[1] < -1e-9 * geometry.size[1]:
+        raise ValueError("-round: the mesh must lie in the plane of x and y, and above the axis y = 0")
+    below = geometry.low[1] < 1e-9 * geometry.size[1]
+    return [f"{p.name}=symmetry" for p in geometry.patches if below and p.plane and p.normal[1] < -1 + 1e-6 and p.low[1] < 1e-9 * geometry.size[1]]
+
+
 def mesh_type(patch, kind):
     """The type of a patch in the polyMesh."""
     if kind == "symmetry":

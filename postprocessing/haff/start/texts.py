@@ -221,9 +221,11 @@ def mesh_rules(keywords, flow, pairs):
         if wanted not in ("patch", "empty") or (wanted == "empty" and not p.extruded):
             other = f" neighbourPatch {pairs[p.name]};" if wanted == "cyclic" else ""
             f.lines.append(f"    {p.name:<14} {{ type {wanted};{other} }}")
-    if len(f.lines) == known:
+    if len(f.lines) == known and not flow.o.round:
         return None
     f.lines.append("}")
+    if flow.o.round:
+        f.entry("axis", "{ direction (1 0 0); }", "the mesh stands for the body of revolution about it")
     return f.text()
 
 

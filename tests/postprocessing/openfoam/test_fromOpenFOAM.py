@@ -215,7 +215,7 @@ class Refusals(Converting, unittest.TestCase):
                 ("0/U", "value $internalField", "value $there", ("0/U:6: macro '$there' names no entry",)),
                 ("0/p", "type fixedValue; value $internalField", "type uniformFixedValue; uniformValue sine", ("table ((t v) ..)",)),
                 ("0/p", "class volScalarField", "class \xff", ("0/p: its header is no text",)),
-                ("system/blockMeshDict", "outlet { type patch;", "outlet { type wedge;", ("patch outlet has the type wedge", "no axisymmetry"))):
+                ("system/blockMeshDict", "outlet { type patch;", "outlet { type cyclicAMI;", ("patch outlet has the type cyclicAMI", "fit one to one"))):
             with self.subTest(name + new):
                 self.refused(self.case(name, old, new), *words)
 

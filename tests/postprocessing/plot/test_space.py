@@ -59,6 +59,28 @@ class Lattices(harness.Folder, unittest.TestCase):
         np.testing.assert_allclose(y, np.arange(9) + 0.5)
         np.testing.assert_allclose(means(at[:, 1] ** 2 + at[:, 0]), y**2 + 0.5)
 
+    def test_mirrored(self):
+        """The image beyond a line at the end of the mesh, or below it with a gap; its cells are those of the mesh. A hole is mirrored, too."""
+        n, size = (12, 10, 1), (1.2, 1.0, 0.1)
+        hole = np.zeros(n[::-1], bool)
+        hole[0, 4:6, 5:8] = True
+        at = cases.box(self.path("mirrored"), n, size, hole=hole.ravel(), hole_patch="body")
+        flat = cases.space(self.path("mirrored")).flat()
+        both = flat.mirrored("y", 0.0)
+        y = both.image(at[:, 1])
+        self.assertEqual((y.shape, both.low[1], both.high[1]), ((20, 12), -1.0, 1.0))
+        np.testing.assert_array_equal(y, y[::-1])
+        np.testing.assert_array_equal(np.isnan(y[10:]), hole[0])
+        self.assertAlmostEqual(length(both.walls), 2 * length(flat.walls))
+        self.assertAlmostEqual(length(both.rims), 2 * (2.0 + 1.2), msg="the line itself is no end")
+        gap = flat.mirrored("x", -0.5)
+        self.assertEqual(gap.image(at[:, 0]).shape, (10, 25))
+        self.assertTrue(np.isnan(gap.image(at[:, 0])[:, 12]).all())
+        np.testing.assert_allclose(gap.edges[0][[0, 12, 13, 25]], (-2.2, -1.0, 0.0, 1.2), atol=1e-12)
+        for name, place, says in (("y", 0.5, "the mesh lies on both sides"), ("z", 0.0, "has the coordinates x and y")):
+            with self.assertRaisesRegex(CannotDraw, says):
+                flat.mirrored(name, place)
+
     def test_cuts(self):
         """A layer of a lattice has its own values; a slanted plane through a cube has the area of its exact polygon."""
         at = cases.box(self.path("cube"), (8, 6, 5), (0.8, 0.6, 0.5), {"y": "wall"})
@@ -147,6 +169,9 @@ class Polyhedra(harness.Folder, unittest.TestCase):
         self.assertGreater(length(flat.walls), 5)
         middles = np.array([p.mean(axis=0) for p in flat.shapes])
         np.testing.assert_allclose(middles, self.wedge_at[flat.cells, :2], atol=1e-9)
+        both = flat.mirrored("y", float(flat.low[1]))
+        self.assertAlmostEqual(area(both), 2 * area(flat))
+        np.testing.assert_array_equal(both.cells, np.tile(flat.cells, 2))
 
     def test_cut_of_tetrahedra(self):
         """The cut by x = -12 of the gas about a sphere: its polygons fill what its walls and other ends enclose."""

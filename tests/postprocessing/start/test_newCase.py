@@ -180,6 +180,16 @@ class NewCase(harness.Folder, unittest.TestCase):
             f.write(text)
         np.testing.assert_allclose(self.run_case(case, 0.02).field("Ma"), 2.5, rtol=2e-4)
 
+    def test_round(self):
+        """A body of revolution: `axis`, a mirror on it; a mesh elsewhere, and what round flow has not, are refused."""
+        case, said = self.new("-box", "2x1", "-cells", "12x6", "-round")
+        self.assertRegex(said, r"patch\s+bottom\s+symmetry")
+        with open(os.path.join(case, "system", "meshDict")) as f:
+            self.assertIn("axis              { direction (1 0 0); }", f.read())
+        for words, says in ((("-box", "1x1x1", "-cells", "4x4x4"), "must lie in the plane of x and y"),
+                            (("-box", "1x1", "-cells", "8x8", "-gravity", "9.81"), "across the axis")):
+            self.assertIn(says, self.call("none", *words, "-round", code=1))
+
     def test_mirror(self):
         """The stream goes along the mirror, whatever the shape of the inlet."""
         case, said = self.new(self.geo("half"))
