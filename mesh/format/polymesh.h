@@ -11,12 +11,12 @@
 
 struct patch {
     char *name;
-    char *type;       /* patch wall empty cyclic symmetry symmetryPlane; as read also wedge (mesh/spread/wedge.h) */
-    const char *said; /* the type in the files, where that is another one; else NULL */
-    char *neighbour;  /* name of a cyclic patch's other half; else NULL */
-    int start;        /* first face */
+    char *type;      /* patch wall empty cyclic symmetry symmetryPlane; as read also wedge (mesh/spread/wedge.h) */
+    char *neighbour; /* name of a cyclic patch's other half; else NULL */
+    int start;       /* first face */
     int nfaces;
-    char *groups; /* the groups that it is in by inGroups, with blanks between; NULL: none */
+    char *groups;     /* the groups that it is in by inGroups, with blanks between; NULL: none */
+    const char *said; /* the type in the files, where that is another one; else NULL */
 };
 struct boxes;
 struct sites;

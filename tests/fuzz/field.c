@@ -8,9 +8,9 @@
 #include <stdlib.h>
 
 static struct patch patches[] = {
-    {"inlet", "patch", NULL, 5, 2, NULL},         {"wall", "wall", NULL, 7, 2, NULL},
-    {"left", "cyclic", "right", 9, 2, NULL},      {"right", "cyclic", "left", 11, 2, NULL},
-    {"frontAndBack", "empty", NULL, 13, 8, NULL}, {"axis", "symmetry", NULL, 21, 0, NULL},
+    {"inlet", "patch", NULL, 5, 2, NULL, NULL},         {"wall", "wall", NULL, 7, 2, NULL, NULL},
+    {"left", "cyclic", "right", 9, 2, NULL, NULL},      {"right", "cyclic", "left", 11, 2, NULL, NULL},
+    {"frontAndBack", "empty", NULL, 13, 8, NULL, NULL}, {"axis", "symmetry", NULL, 21, 0, NULL, NULL},
 };
 #define THRICE(...) __VA_ARGS__, __VA_ARGS__, __VA_ARGS__
 static double points[54] = {0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1};

@@ -58,7 +58,7 @@ static void write_mesh(const char *folder) {
                 memcpy(points + 3 * corner(i, j, k), (double[3]){0.1 * i, 0.1 * j, 0.1 * k}, 3 * sizeof(double));
     for (int part = 0; part < 3; part++)
         for (int c = 0; c < CELLS; c++) add_faces(&s, c % X, c / X, part);
-    struct patch patch[] = {{walls, wall, NULL, 7, 10, NULL}, {sides, empty, NULL, 17, 2 * CELLS, NULL}};
+    struct patch patch[] = {{walls, wall, NULL, 7, 10, NULL, NULL}, {sides, empty, NULL, 17, 2 * CELLS, NULL, NULL}};
     const struct polymesh m = {.npoints = (X + 1) * (Y + 1) * 2,
                                .nfaces = FACES,
                                .ninternal = 7,

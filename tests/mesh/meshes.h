@@ -80,7 +80,7 @@ static inline status mesh_make(const struct recipe *r, struct polymesh **out) {
     for (int i = 0; i < 7; i++) {
         const char *type = i < 6 ? r->type[i] ? r->type[i] : "patch" : "wall";
         m->patch[m->npatches++] = (struct patch){
-            strdup(names[i]), strdup(type), strcmp(type, "cyclic") ? NULL : strdup(names[i ^ 1]), 0, 0, NULL};
+            strdup(names[i]), strdup(type), strcmp(type, "cyclic") ? NULL : strdup(names[i ^ 1]), 0, 0, NULL, NULL};
     }
     status s = polymesh_order(m, patch);
     free(cell);

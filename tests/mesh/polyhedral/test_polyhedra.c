@@ -285,7 +285,7 @@ static void points_are_exact_for_quadratics(void **state) {
         struct polymesh mesh = {.npoints = n + 1, .nfaces = n + 1, .ncells = 1, .npatches = 1};
         double points[21] = {0}, wanted[6] = {0}, found[6] = {0};
         int start[8] = {0}, vertex[32], owner[8] = {0};
-        struct patch wall = {(char[]){"wall"}, (char[]){"wall"}, NULL, 0, n + 1, NULL};
+        struct patch wall = {(char[]){"wall"}, (char[]){"wall"}, NULL, 0, n + 1, NULL, NULL};
         for (int v = 0; v < n; v++) {
             const double *a = polygons[i].x[v], *b = polygons[i].x[(v + 1) % n];
             const double c = a[0] * b[1] - a[1] * b[0], sx = a[0] + b[0], sy = a[1] + b[1];
