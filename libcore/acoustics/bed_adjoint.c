@@ -284,18 +284,27 @@ void bed_pull(const struct bed *b, int i, double force[MAX_DIM]) {
     }
 }
 
+/* Sets a to its part that a wall bears: all of it on a rough one, that along a wall with `muWall`, that across one that
+ * slips. */
+static void take_borne(const struct bed *b, int f, double *a) {
+    double flat[MAX_DIM];
+    memcpy(flat, a, sizeof flat);
+    flatten(b, f, flat);
+    for (int m = 0; m < b->components && !bed_is_rough(b, f); m++) a[m] = slips(b, f) ? a[m] - flat[m] : flat[m];
+}
+
 void bed_wall_pull(const struct bed *b, int f, double traction[MAX_DIM]) {
     const int right = b->set.left[f] < 0, i = right ? b->set.right[f] : b->set.left[f];
-    const double A = b->set.shapes->area[b->set.shape[f]], sign = right ? -1 : 1;
-    double y[MAX_DIM], direct[MAX_DIM];
+    const double A = b->set.shapes->area[b->set.shape[f]], sign = right ? -1 : 1, images = slips(b, f) ? 2 : 1;
+    double y[MAX_DIM] = {0}, direct[MAX_DIM] = {0};
     for (int m = 0; m < b->components; m++) {
         y[m] = b->rub->value[m][f];
         direct[m] = b->rub->traction[m][f] / b->dim;
     }
     for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++)
         for (int k = 0; k < b->dim && bed_side(b, j).face == f && b->rub->share[i] > 0; k++)
-            for (int m = 0; m < b->components; m++) y[m] += b->rub->fit[k][j] * b->rub->gradient[k][m][i];
-    flatten_if_smooth(b, f, y);
-    flatten_if_smooth(b, f, direct);
+            for (int m = 0; m < b->components; m++) y[m] += images * b->rub->fit[k][j] * b->rub->gradient[k][m][i];
+    take_borne(b, f, y);
+    take_borne(b, f, direct);
     for (int m = 0; m < b->components; m++) traction[m] = direct[m] - sign * y[m] / A;
 }

@@ -351,6 +351,26 @@ struct combined { /* gain = before[0] of the last stage, before[1] of that befor
     double last, older, now;
 };
 
+/* Moves what acts through faces on by a stage: stresses on them, and tractions of walls, on other meshes than boxes
+ * also of those that slip. */
+static void find_through(const struct bed *b, int j, struct combined c) {
+    const struct bed_friction *r = b->rub;
+    const bool boxes = b->set.shapes->boxes, heats = b->friction.params.heating > 0;
+    const int now = j % LINES, last = (j + LINES - 1) % LINES, older = (j + LINES - 2) % LINES;
+    for (int f = 0; f < b->set.faces; f++) {
+        const bool wall = b->set.kind[f] == BED_WALL;
+        double t[MAX_DIM];
+        if (!(wall || (heats && b->set.kind[f] == BED_INNER))) continue;
+        for (int i = 0; i < r->tensors && !boxes; i++)
+            r->mean[now][i][f] =
+                c.last * r->mean[last][i][f] + c.older * r->mean[older][i][f] + c.now * r->tensor[i][f];
+        for (int k = 0; k < b->components; k++) t[k] = r->traction[k][f];
+        if (wall && !boxes) bed_wall_pull(b, f, t);
+        for (int k = 0; k < b->components; k++)
+            r->through[now][k][f] = c.last * r->through[last][k][f] + c.older * r->through[older][k][f] + c.now * t[k];
+    }
+}
+
 /* Finds the gain of stage j by friction, in lines j mod LINES. */
 static void find_gains(const struct bed *b, double dt, int j, struct combined c) {
     const struct bed_friction *r = b->rub;
@@ -368,20 +388,7 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
         const double per = c.now * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]);
         for (int k = 0; k < b->components; k++) to[k][i] = c.last * one[k][i] + c.older * two[k][i] + per * sum[k];
     }
-    for (int e = 0; e < r->faces; e++) {
-        const int f = r->face[e];
-        const bool wall = b->set.kind[f] == BED_WALL;
-        double t[MAX_DIM];
-        if (!wall && b->friction.params.heating == 0) continue;
-        for (int i = 0; i < r->tensors && !b->set.shapes->boxes; i++)
-            r->mean[j % LINES][i][f] = c.last * r->mean[(j + LINES - 1) % LINES][i][f] +
-                                       c.older * r->mean[(j + LINES - 2) % LINES][i][f] + c.now * r->tensor[i][f];
-        for (int k = 0; k < b->components; k++) t[k] = r->traction[k][f];
-        if (wall && !b->set.shapes->boxes) bed_wall_pull(b, f, t);
-        for (int k = 0; k < b->components; k++)
-            r->through[j % LINES][k][f] = c.last * r->through[(j + LINES - 1) % LINES][k][f] +
-                                          c.older * r->through[(j + LINES - 2) % LINES][k][f] + c.now * t[k];
-    }
+    find_through(b, j, c);
 }
 
 static void find_velocity(const struct bed *b, double fallen, double *const *gain) {

@@ -58,12 +58,16 @@ struct manner { /* wraps: a candidate may be seen beyond a periodic end; falls: 
     bool wraps, falls, grows, mixed;
 };
 
-/* Sets the mean diameters, at `now`, of grain i and each of LANES others; returns how fast they grow. */
-ALWAYS_INLINE lanes diameters(const struct grains *g, int i, double now, const uint32_t *list, bool mixed, lanes *d) {
+struct widths { /* of pairs of grains: mean diameters, and how fast they grow */
+    lanes d, growth;
+};
+/* Finds those of grain i and each of LANES others, at `now`. */
+ALWAYS_INLINE void find_widths(const struct grains *g, int i, double now, const uint32_t *list, bool mixed,
+                               struct widths *w) {
     lanes size = (lanes){0} + 1;
     for (int q = 0; mixed && q < LANES; q++) size[q] = grains_pair_size(g, i, (int)list[q]);
-    *d = size * grains_diameter(g, now);
-    return size * g->law.growth;
+    w->d = size * grains_diameter(g, now);
+    w->growth = size * g->law.growth;
 }
 
 /* Finds the earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which
@@ -92,7 +96,9 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
             vv += v * v;
             rr += r * r;
         }
-        lanes d, growth = diameters(g, i, now, list, manner.mixed, &d);
+        struct widths w;
+        find_widths(g, i, now, list, manner.mixed, &w);
+        const lanes d = w.d, growth = w.growth;
         lanes a = grows ? vv - growth * growth : vv, b = grows ? rv - d * growth : rv, c = rr - d * d;
         c = ONLY(c > 0, c);
         lanes square = b * b - a * c, root = ONLY(square > 0, square);
