@@ -3,9 +3,12 @@
  * by least squares over packed neighbours and walls, exact for linear velocities. */
 #include "libcore/acoustics/bed_friction_private.h"
 
-/* A cell's matrix of least squares gains a = ALONE times its trace, for cells with neighbours along one axis alone. Its
- * inverse B gains a B B, so that derivatives are exact to round-off elsewhere. */
-static const double ALONE = 1e-9;
+/* A cell's matrix of least squares gains a part of its trace, a, for cells with neighbours along one axis alone. Its
+ * inverse B gains a B B, on other meshes than boxes also a a B B B, so that derivatives elsewhere are exact to
+ * round-off. Boxes have neighbours along axes or none; those of other cells may nearly lie in a plane, where less would
+ * be lost in round-off. */
+static const double ALONE = 1e-9, FLAT = 1e-6;
+static const double EVEN = 0.03; /* evenness from which on a gradient is trusted in full */
 
 double bed_fit_weight(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
     const struct bed_shapes *h = b->set.shapes;
@@ -20,9 +23,17 @@ double bed_fit_weight(const struct bed *b, const struct bed_side *s, int across,
     return weight / square;
 }
 
-static void invert(int dim, double A[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_DIM]) {
-    double more = 0, B[MAX_DIM][MAX_DIM];
-    for (int k = 0; k < dim; k++) more += ALONE * A[k][k];
+static void multiply(int dim, double A[MAX_DIM][MAX_DIM], double B[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_DIM]) {
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++) {
+            out[i][j] = 0;
+            for (int k = 0; k < dim; k++) out[i][j] += A[i][k] * B[k][j];
+        }
+}
+
+static void invert(int dim, bool boxes, double A[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_DIM]) {
+    double more = 0, B[MAX_DIM][MAX_DIM], square[MAX_DIM][MAX_DIM], cube[MAX_DIM][MAX_DIM] = {{0}};
+    for (int k = 0; k < dim; k++) more += (boxes ? ALONE : FLAT) * A[k][k];
     for (int k = 0; k < 3; k++) A[k][k] = k < dim ? A[k][k] + more : 1;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
@@ -31,12 +42,29 @@ static void invert(int dim, double A[MAX_DIM][MAX_DIM], double out[MAX_DIM][MAX_
         }
     const double determinant = A[0][0] * B[0][0] + A[0][1] * B[1][0] + A[0][2] * B[2][0];
     const double per = determinant > 0 ? 1 / determinant : 0;
+    multiply(dim, B, B, square);
+    if (!boxes) multiply(dim, square, B, cube);
     for (int i = 0; i < dim; i++)
-        for (int j = 0; j < dim; j++) {
-            double square = 0;
-            for (int k = 0; k < dim; k++) square += B[i][k] * B[k][j];
-            out[i][j] = per * (B[i][j] + more * per * square);
-        }
+        for (int j = 0; j < dim; j++)
+            out[i][j] = per * (B[i][j] + more * per * (square[i][j] + more * per * cube[i][j]));
+}
+
+/* Returns how evenly neighbours stand around a cell, 0 .. 1: 0 if they lie on a line or in a plane. */
+static double evenness(int dim, double B[MAX_DIM][MAX_DIM]) {
+    if (dim < 2) return 1;
+    const double trace = B[0][0] + B[1][1] + (dim > 2 ? B[2][2] : 0);
+    if (dim == 2) return 4 * (B[0][0] * B[1][1] - B[0][1] * B[0][1]) / (trace * trace);
+    return 27 / (trace * trace * trace) *
+           (B[0][0] * (B[1][1] * B[2][2] - B[1][2] * B[1][2]) - B[0][1] * (B[0][1] * B[2][2] - B[1][2] * B[0][2]) +
+            B[0][2] * (B[0][1] * B[1][2] - B[1][1] * B[0][2]));
+}
+
+/* Gradients of cells whose neighbours stand unevenly are taken for less: a fit to cells nearly on a line, or of which
+ * one counts little, would amplify a small velocity beyond what the stages are stable for. */
+static void trust(int dim, double B[MAX_DIM][MAX_DIM]) {
+    const double part = smaller(1, larger(evenness(dim, B), 0) / EVEN);
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++) B[i][j] *= part;
 }
 
 void bed_fit_cell(const struct bed *b, int i) {
@@ -49,7 +77,8 @@ void bed_fit_cell(const struct bed *b, int i) {
         for (int k = 0; k < b->dim && w > 0; k++)
             for (int l = 0; l < b->dim; l++) A[k][l] += w * to[k] * to[l];
     }
-    invert(b->dim, A, inverse);
+    invert(b->dim, b->set.shapes->boxes, A, inverse);
+    if (!b->set.shapes->boxes) trust(b->dim, inverse);
     for (int k = 0, at = 0; k < b->dim && !b->set.shapes->boxes; k++)
         for (int l = k; l < b->dim; l++, at++) r->inverse[at][i] = inverse[k][l];
     for (int j = first; j < last; j++) {

@@ -167,14 +167,18 @@ def read(path):
 
 
 def learn(name, file):
-    """Adds the quantities of a module of studies/checks to QUANTITIES."""
+    """Adds the quantities of a module of studies/checks to QUANTITIES; none may have the name of another one."""
     module = f"checks.{name}"
     try:
-        QUANTITIES.update(take_study(module).QUANTITIES)
+        own = take_study(module).QUANTITIES
     except ModuleNotFoundError as why:
         if why.name != f"studies.{module}":
             raise
         raise ValueError(f"{file}: quantities '{name}' is no module of postprocessing/studies/checks") from None
+    for quantity in own:
+        if QUANTITIES.get(quantity, own[quantity]) is not own[quantity]:
+            raise ValueError(f"{file}: the quantity '{quantity}' of {name}.py is one of another module, too; rename one of them")
+    QUANTITIES.update(own)
 
 
 def load(path, part):

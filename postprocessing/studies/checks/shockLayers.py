@@ -27,5 +27,5 @@ QUANTITIES = {
     "centre of mass at a phase": lambda case, field, time, phase: float(columns.centre(at(case, phase))),
     "height of the hottest row": lambda case, field, time, phase: hottest(at(case, phase))[0],
     "greatest T of the layer": lambda case, field, time, phase: hottest(at(case, phase))[1],
-    "difference to the grains": lambda case, field, time, phase: apart(case, field, phase),
+    "difference to the grains at a phase": lambda case, field, time, phase: apart(case, field, phase),
 }

@@ -69,7 +69,7 @@ QUANTITIES = {
     "packing at the floor over the greatest": lambda case, field, time: inversion(shaken(case)),
     "greatest mean packing": lambda case, field, time: float(shaken(case)["alpha"].max()),
     "height of the greatest packing": lambda case, field, time: float(shaken(case)["y"][shaken(case)["alpha"].argmax()]),
-    "height of the centre of mass": lambda case, field, time: float(columns.centre(shaken(case))),
+    "mean height of the centre of mass": lambda case, field, time: float(columns.centre(shaken(case))),
     "T about height": temperature,
     "mean error of the column": lambda case, field, time: float(disks.error(case, column(case), field, axis=1)),
     "least T": lambda case, field, time: float(steady(case)["T"].min()),
