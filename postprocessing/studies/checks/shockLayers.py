@@ -18,14 +18,8 @@ def hottest(p):
     return float(p["y"][row]), float(p["T"][row])
 
 
-def apart(case, field, phase):
-    """Sum of the differences to the grains, the copy grains, over the sum of the grains."""
-    return float(columns.difference(at(case, phase), at(case.path + "/grains", phase), field))
-
-
 QUANTITIES = {
     "centre of mass at a phase": lambda case, field, time, phase: float(columns.centre(at(case, phase))),
     "height of the hottest row": lambda case, field, time, phase: hottest(at(case, phase))[0],
     "greatest T of the layer": lambda case, field, time, phase: hottest(at(case, phase))[1],
-    "difference to the grains at a phase": lambda case, field, time, phase: apart(case, field, phase),
 }
