@@ -70,6 +70,15 @@ ALWAYS_INLINE void find_widths(const struct grains *g, int i, double now, const 
     w->growth = size * g->law.growth;
 }
 
+/* Takes the earliest of LANES times; of equal ones that with the lowest partner. */
+ALWAYS_INLINE void take_first(const lanes *t, const marks *partner, struct found *first) {
+    for (int q = 0; q < LANES; q++) {
+        bool better = ((*t)[q] < first->t) | (((*t)[q] == first->t) & ((*partner)[q] < first->partner));
+        first->t = better ? (*t)[q] : first->t;
+        first->partner = better ? (*partner)[q] : first->partner;
+    }
+}
+
 /* Finds the earliest of the times at which grain i has |r + v t| = d + growth t, approaching, with m others, and which
  * is before the other's own event; of equal times that with the lowest partner. Grains may touch or overlap by
  * round-off: if they close the time is now. Nothing branches, so that all candidates cost the same. */
@@ -98,8 +107,7 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
         }
         struct widths w;
         find_widths(g, i, now, list, manner.mixed, &w);
-        const lanes d = w.d, growth = w.growth;
-        lanes a = grows ? vv - growth * growth : vv, b = grows ? rv - d * growth : rv, c = rr - d * d;
+        lanes a = grows ? vv - w.growth * w.growth : vv, b = grows ? rv - w.d * w.growth : rv, c = rr - w.d * w.d;
         c = ONLY(c > 0, c);
         lanes square = b * b - a * c, root = ONLY(square > 0, square);
         take_root(&root);
@@ -114,11 +122,7 @@ ALWAYS_INLINE void meet(const struct grains *g, int i, double now, int m, struct
         least = CHOOSE(better, t, least);
         with = (better & j) | (~better & with);
     }
-    for (int q = 0; q < LANES; q++) {
-        bool better = (least[q] < first->t) | ((least[q] == first->t) & (with[q] < first->partner));
-        first->t = better ? least[q] : first->t;
-        first->partner = better ? with[q] : first->partner;
-    }
+    take_first(&least, &with, first);
 }
 /* One function each for disks and spheres; near: no candidate is seen beyond a periodic end; free: no gravity. */
 typedef void meeting(const struct grains *g, int i, double now, int m, struct found *first);

@@ -70,6 +70,13 @@ class Case:
             raise FileNotFoundError(f"{self.path} has no times (folders like 0 or 0.5): run the case first")
         return found
 
+    def later_times(self):
+        """The names of all times after 0. FileNotFoundError: there are none."""
+        found = [name for name in self._some_times() if float(name) > 0]
+        if not found:
+            raise FileNotFoundError(f"{self.path} has no times after 0: run the case first")
+        return found
+
     def _time(self, time):
         return time if isinstance(time, str) else self.time(time)
 

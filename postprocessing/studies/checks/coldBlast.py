@@ -16,8 +16,7 @@ def shell(case, time):
 
 def course(case):
     """Times, radii and momenta of all written times."""
-    names = [name for name in case.times if float(name) > 0]
-    return np.array([(float(name), *shell(case, name)) for name in names]).T
+    return np.array([(float(name), *shell(case, name)) for name in case.later_times()]).T
 
 
 def exponents(case):

@@ -11,12 +11,12 @@ BAND = 10.0  # grain diameters about a height that T is a mean over
 def steady(case):
     """The profile of the last time; of grains, the mean over all written times but the first."""
     layer = faraday.Layer(case)
-    written = [name for name in case.times if float(name) > 0]
+    written = case.later_times()
     return layer.profile(written[1:] if grains_of(case) else written[-1])
 
 
 def grains_of(case):
-    return "TComponents" in case.fields(case.times[-1])
+    return "TComponents" in case.fields()
 
 
 def temperature(case, field, time, height):
@@ -31,7 +31,7 @@ def column(case):
     the next."""
     warm = disks.numbers(case.path, "0.orig/T", r"floor\s+\{ type fixedValue; value uniform (\S+);")[0]
     gas, flow = garzoDufty.Grains(2, disks.Disks.of(case.path).e), None
-    packing = case.field("alpha", case.times[-1]).mean()
+    packing = case.field("alpha").mean()
     for part in (0, 0.1, 0.3, 0.6, 1):
         flow = disks.Channel(gas, 600, packing, {"T": warm}, {}, (0, -part), 1e-8 if part == 1 else 1e-4, flow)
     return flow
@@ -40,7 +40,8 @@ def column(case):
 def shaken(case):
     """The profile of a shaken layer: the mean over the written times of the second half."""
     layer = faraday.Layer(case)
-    return layer.profile([name for name in case.times if float(name) >= 0.5 * float(case.times[-1])])
+    written = case.later_times()
+    return layer.profile([name for name in written if float(name) >= 0.5 * float(written[-1])])
 
 
 def inversion(p):
@@ -50,7 +51,7 @@ def inversion(p):
 
 def shares(case):
     """Times that were written, and the part of the mass at x < 0 at each."""
-    left, names = case.centres[:, 0] < 0, [name for name in case.times if float(name) > 0]
+    left, names = case.centres[:, 0] < 0, case.later_times()
     masses = [case.field("alpha", name) * case.volumes for name in names]
     return np.array(names, float), np.array([mass[left].sum() / mass.sum() for mass in masses])
 
