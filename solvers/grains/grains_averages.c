@@ -104,10 +104,6 @@ void averages_save(struct averages *a, struct averages_saved *out) {
     for (int k = 0; k < 2; k++) out->sums[k] = averages_sums(a, k, &out->nsums);
 }
 
-bool averages_sound(const struct averages_saved *s) {
-    return s->mark.samples > 0 && s->mark.taken >= 0 && s->mark.taken <= s->mark.samples;
-}
-
 void averages_free(struct averages *a) {
     if (!a) return;
     coarse_free(a->sum[0]);

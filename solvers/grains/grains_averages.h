@@ -34,8 +34,11 @@ status averages_resume(const struct coarse_grid *grid, double window, int sample
                        const struct averages_saved *saved, struct averages **out, bool *kept);
 status averages_room(struct averages *a, int grains);               /* makes room for so many grains */
 void averages_save(struct averages *a, struct averages_saved *out); /* borrows the sums */
-bool averages_sound(const struct averages_saved *s);                /* could averages have such a mark? */
 void averages_free(struct averages *a);
+/* Could averages have such a mark? */
+static inline bool averages_sound(const struct averages_saved *s) {
+    return s->mark.samples > 0 && s->mark.taken >= 0 && s->mark.taken <= s->mark.samples;
+}
 
 /* Returns the observer of impacts now; it changes with averages_take. NULL: no one listens. */
 struct grain_observer *averages_observer(struct averages *a);
