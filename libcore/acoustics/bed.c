@@ -181,7 +181,7 @@ static status prepare(struct bed *b) {
     return OK;
 }
 
-/* Part of its energy that friction may give a bed in a step; a step is found in so many rounds at most. */
+/* Friction may give a bed this part of its energy in a step; else the step is found again, ROUNDS times at most. */
 static const double MOST_GIVEN = 0.01;
 enum { ROUNDS = 8 };
 

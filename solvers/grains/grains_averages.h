@@ -23,7 +23,7 @@ struct averages_saved { /* for a restart */
     long nsums;
     double *sums[2]; /* [nsums]: running window, last complete one */
 };
-/* Returns the cells of the averages: those of the lattice, or of a mesh, which stand in place of one box around it. */
+/* Returns the cells of the averages: those of the lattice, or those of a mesh instead of one box around it. */
 struct coarse_grid grains_grid(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh);
 /* Makes averages that start at time t (s); `grains` is their number. */
 status averages_make(const struct coarse_grid *grid, double window, int samples, double t, int grains,

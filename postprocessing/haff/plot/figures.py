@@ -12,6 +12,7 @@ import os
 import sys
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
@@ -126,6 +127,20 @@ def kind(path):
     if suffix not in FORMATS:
         raise ValueError(f"{path}: figures are written as .png, .pdf or .svg")
     return suffix
+
+
+def packing_at(case, moments, width, height, across=True):
+    """A figure of the packing on a lattice of two axes at some times (s), side by side or (across False) one above the other; lengths in mm."""
+    fig, axes = panels(1, len(moments), width=width, height=height) if across else panels(len(moments), 1, width=width, height=height)
+    low, high = 1e3 * case.mesh.points.min(axis=0), 1e3 * case.mesh.points.max(axis=0)
+    column, row = (np.unique(np.round(case.centres[:, k], 9), return_inverse=True)[1] for k in (0, 1))
+    picture = np.full((row.max() + 1, column.max() + 1), np.nan)
+    for ax, t in zip(np.ravel(axes), moments):
+        picture[row, column] = case.field("alpha", case.time(t))
+        image = ax.imshow(picture.copy(), origin="lower", extent=(low[0], high[0], low[1], high[1]), vmin=0, vmax=0.64, cmap="magma_r")
+        label(ax, "$x$ (mm)" if across or t == moments[-1] else "", "$y$ (mm)" if not across or t == moments[0] else "", f"$t$ = {1e3 * t:g} ms")
+    fig.colorbar(image, ax=axes, shrink=0.8, label=r"$\alpha$")
+    return fig
 
 
 def save(figure, path, dpi=None):
