@@ -14,7 +14,7 @@
 #include "clock.h"
 
 enum { VARS = 4, LANES = 8, LEFT = 8, GHOSTS = 3 };
-static const double GAMMA = 1.4, TINY = 4e-6; /* four times the usual epsilon of WENO */
+static const double PI = 3.14159265358979323846, GAMMA = 1.4, TINY = 4e-6; /* four times the usual epsilon of WENO */
 
 typedef double vec __attribute__((vector_size(64)));
 typedef double any __attribute__((vector_size(64), aligned(8), may_alias));
@@ -37,13 +37,11 @@ static inline vec root(vec a) {
     return a;
 }
 static inline vec larger(vec a, vec b) {
-    for (int i = 0; i < LANES; i++)
-        a[i] = a[i] > b[i] ? a[i] : b[i];
+    for (int i = 0; i < LANES; i++) a[i] = a[i] > b[i] ? a[i] : b[i];
     return a;
 }
 static inline vec size(vec a) {
-    for (int i = 0; i < LANES; i++)
-        a[i] = fabs(a[i]);
+    for (int i = 0; i < LANES; i++) a[i] = fabs(a[i]);
     return a;
 }
 
@@ -175,9 +173,9 @@ static void stage(struct box *b, double old, double new, double dt) {
 
 /* The vortex of strength 5 in the stream (1, 1), at the start and after one period. */
 static void vortex(double x, double y, double u[VARS]) {
-    double r2 = x * x + y * y, s = 5 / (2 * M_PI) * exp(.5 * (1 - r2));
-    double t = 1 - (GAMMA - 1) * 25 / (8 * GAMMA * M_PI * M_PI) * exp(1 - r2), d = pow(t, 1 / (GAMMA - 1)),
-           a = 1 - s * y, c = 1 + s * x;
+    double r2 = x * x + y * y, s = 5 / (2 * PI) * exp(.5 * (1 - r2));
+    double t = 1 - (GAMMA - 1) * 25 / (8 * GAMMA * PI * PI) * exp(1 - r2), d = pow(t, 1 / (GAMMA - 1)), a = 1 - s * y,
+           c = 1 + s * x;
     u[0] = d, u[1] = d * a, u[2] = d * c, u[3] = d * t / (GAMMA - 1) + .5 * d * (a * a + c * c);
 }
 
