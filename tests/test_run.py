@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""tests/run.py: what CTest is told of a module that passes, fails, holds nothing, or has all of its tests skipped."""
+"""tests/run.py: what CTest gets to know of a module that passes, fails, holds nothing, or has all of its tests skipped."""
 import os
 import subprocess
 import sys

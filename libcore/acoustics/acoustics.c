@@ -13,7 +13,7 @@
             "thin", thin, 1e-3, FROM_TO(0, 1), NO_UNIT,                                                                \
             "alpha/alphaMax below which cells are implicit, too, where they would limit dt: hot remains above a bed"), \
         NUMBER("gain", gain, gain_by_default, FROM_TO(1, 1e6), NO_UNIT,                                                \
-               "a step is implicit if it is so many times as long as the explicit scheme's"),                          \
+               "a step is implicit if it is at least this number of times as long as the explicit one"),               \
         NUMBER("governor", governor, 1, BETWEEN(0, 1e6), NO_UNIT,                                                      \
                "most of dt times the cooling rate of dense cells: less resolves impacts of a bed better"),             \
         NUMBER("soft", soft, 0.2, BETWEEN(0, 1), NO_UNIT,                                                              \

@@ -75,7 +75,7 @@ struct bed_blur {
     double local; /* the same of the block where it is greatest: a wave in a corner of a bed that moves elsewhere */
 };
 
-/* Cells and their faces, block by block (tile by tile): what a rank is told of them, and gets back. Cell i has the
+/* Cells and their faces, block by block (tile by tile): what a rank gets of them, and gives back. Cell i has the
  * number low + i; other numbers are cells of other ranks. Numbers per volume are in SI units. */
 struct bed_set {
     /* Lists, which hold until the set changes. */
@@ -165,10 +165,10 @@ struct bed {
 static inline int bed_tensors(int components) { /* numbers of a stress */
     return components * (components + 1) / 2;
 }
-/* Makes a bed whose home has so many blocks at most; home->shapes is set then. */
+/* Makes a bed whose home has at most `blocks` blocks; home->shapes is set then. */
 status bed_make(struct bed *b, int blocks);
 void bed_free(struct bed *b);
-/* Begins another set, of the blocks that home->blocks, first and number tell, whose cells have so many sides: makes
+/* Begins another set, of the blocks that home->blocks, first and number tell, whose cells have `sides` sides: makes
  * room, and sets home->cells and low. Then the caller lists cells and faces. Collective. */
 status bed_list(struct bed *b, int sides);
 /* Writes the lists of a new set for the ranks that will compute it. bed_step does so if it was not done before, by a

@@ -6,7 +6,7 @@
  * cannot be used in the other. Lists go out from home when the set has changed, states in every step; results come
  * back. As blocks stay whole the bits of a step do not depend on the deal. A face between cells of two homes is listed
  * twice, even if one rank computes both cells. Homes write the lists behind the first stage, and send them after the
- * last: the home of a bed has more to list and less to do in the stages, and so nobody waits in between. */
+ * last: the home of a bed has more to list and less to do in the stages, and so no rank waits in between. */
 #include "libcore/acoustics/bed_private.h"
 
 #include <stdlib.h>

@@ -92,7 +92,7 @@ void bed_halo_free(struct bed_halo *h);
 /* Learns of the ghosts, of which each lies across a face of a cell: number[ghosts] over all ranks, of which
  * first[rank] is the first on each rank. */
 status bed_halo_link(struct bed *b, const int *first, const int *number);
-/* Make room in a set for so many blocks; for its cells and ghosts, faces and entries of face_of_cell. */
+/* Make room in a set for that number of blocks; for its cells and ghosts, faces and entries of face_of_cell. */
 status bed_set_blocks(struct bed_set *s, int blocks);
 status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides);
 /* Readies the set for a step: lists, states and primitive variables. Collective. */

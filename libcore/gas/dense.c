@@ -29,12 +29,12 @@ static const double HARD = 0.98;
  * to 0.01, and their blocks, heaps' surfaces among them, up to 0.03 but for the first steps of a flow. */
 static const double BLUR = 0.02, LOCAL = 0.2;
 /* A step that is refused costs as much as two to ten explicit ones. So behind it steps are explicit for its length,
- * behind one after the other for LONGER times the pause before, up to so many explicit steps. */
+ * behind one after the other for LONGER times the pause before, up to this number of explicit steps. */
 static const double LONGER = 4, LONGEST_PAUSE = 128;
 /* The restitution of grains whose cooling tells how often impacts are faster than the threshold. */
 static const double MILD = 0.9;
 
-/* `automatic` means that nobody asked for implicit steps: then only gases whose beds can come to rest get them, those
+/* With `automatic` only gases whose beds can come to rest get them, those
  * in which impacts take energy unless they are slow (thresholdSpeed). */
 bool gas_may_be_dense(const struct gas_models *m) {
     if (!m->acoustics || !m->acoustics->implicit || !m->eos->bounded) return false;

@@ -163,7 +163,7 @@ struct stepping {           /* the step in hand and those before it (libcore/ste
     int slow;                /* number of consecutive tiny steps; -1 in a state that was set: unknown */
     double slow_dt[2];       /* s: dt of an earlier tiny step (at most 50 before), and of the last step */
     bool hybrid;             /* has it a bed? */
-    bool (*asked)(void);     /* of gas_heed; NULL: nobody asks */
+    bool (*asked)(void);     /* of gas_heed; NULL: never */
     bool left;               /* is it left as asked? The same on all ranks */
     bool held;               /* is a copy of the field `limited` kept, from before it? */
 };
@@ -274,8 +274,8 @@ bool dense_include(struct gas *g, double rate);
 struct bed_rates dense_rates(struct gas *g, double plain);
 /* Finds the first cell that has the rate which forbids an implicit step, d->bound.rate. Collective. */
 void dense_seek(struct gas *g, double place[3]);
-/* Begins a new list, after the engine has listed the blocks of bed.home: makes memory for so many rows of cells with so
- * many sides, and forgets the numbers of cells. s: an error that this rank has met before. Collective. */
+/* Begins a new list, after the engine has listed the blocks of bed.home: makes memory for that number of rows of cells
+ * with so many sides, and forgets the numbers of cells. s: an error that this rank has met before. Collective. */
 status dense_list(struct gas *g, status s, long rows, int sides);
 /* Copy the states of the bed's cells from a state, or to it; dense_put returns the number of those not admissible. */
 void dense_take(struct gas *g, const struct state *from);

@@ -32,7 +32,7 @@ static void make_shapes(const struct gas *g, struct tiles_bed *b) {
     g->dense->bed.home->shapes = s;
 }
 
-/* A block of the bed is what lies in so many rows of a tile along the last axis: it is what ranks are dealt. */
+/* A block of the bed, which ranks are dealt, is this number of rows of a tile along the last axis. */
 enum { BLOCK_ROWS = 8 };
 
 static int blocks_of_tile(const struct gas *g, int tile) {

@@ -94,7 +94,7 @@ bool boundary_is_wall(const struct boundary_type *t);
 bool boundary_is_smooth(const struct boundary_type *t); /* is t a wall without friction? */
 bool boundary_gives(const struct boundary_type *t);     /* has t parameters or values? */
 bool boundary_rotates(const struct boundary_type *t);   /* may the wall be given an angular velocity? */
-/* Is t allowed for fields of so many components? Returns the keyword of their values; NULL: t needs none. */
+/* Is t allowed for fields of that number of components? Returns the keyword of their values; NULL: t needs none. */
 bool boundary_takes(const struct boundary_type *t, int components);
 const char *boundary_value(const struct boundary_type *t, int components);
 

@@ -97,7 +97,8 @@ struct source_plan { /* the active sources over one sub-step, in the order in wh
     int n;
     struct source_step step[SOURCE_MOST];
     bool gravity_alone; /* is gravity the only source? */
-    double warm; /* J/kg: source_apply finds which cells gravity acts on, those of eps below `warm`; < 0: it is told */
+    double warm; /* J/kg: source_apply finds which cells gravity acts on, those of eps below `warm`; < 0: the caller
+                    knows */
 };
 /* Plans the active sources from t to t + dt, in the order of the table, or `backwards`. */
 void source_plan(const struct sources *s, const struct eos *eos, const struct material *m, int dim, double t, double dt,

@@ -8,7 +8,7 @@
 #include "libcore/multigrid/multigrid.h"
 
 enum {
-    SPREAD_LEVELS = 3, /* at most so many levels have their rows on their ranks; coarser ones have all on every rank */
+    SPREAD_LEVELS = 3, /* the most levels that have their rows on their ranks; coarser ones have all on every rank */
     MOST_LEVELS = 24,
     MOST_SUMS = 8
 };

@@ -350,8 +350,8 @@ static void find_last_turns(const struct fit *f, int n, const int *cells, const 
     for (int b = n ? cells[n - 1] / LANES : 0; b < f->nbatches; b++) last[b] = n;
 }
 
-/* Deals slots of so many entries to the batches, again those of batches that have had their last turn; the latest of
- * these first, as it is still in the cache. work[nbatches + n + 1]. Returns the number of slots. */
+/* Deals slots of that number of entries to the batches, again those of batches that have had their last turn; the
+ * latest of these first, as it is still in the cache. work[nbatches + n + 1]. Returns the number of slots. */
 static int deal_slots(struct fit *f, int n, const int *cells, const int *last, int entries, int *work) {
     int *next = work, *first = work + f->nbatches, slots = 0, b = 0, empty = -1; /* lists of batches */
     for (int turn = 0; turn <= n; turn++) first[turn] = -1;

@@ -2,8 +2,8 @@
 /* The sources as a part of a step: exact, over half a step and, backwards, over its other half. */
 #include "libcore/step/step_parts.h"
 
-/* Cells are cold below so many squares of the velocity that gravity gives in a step: an Euler step of a warm cell takes
- * half of that square from its eps, so that at most 1/8 of eps is lost. */
+/* Cells are cold below this number of squares of the velocity that gravity gives in a step: an Euler step of a warm
+ * cell takes half of that square from its eps, so that at most 1/8 of eps is lost. */
 static const double WARM = 4;
 
 /* Returns the eps above which cells are warm. */

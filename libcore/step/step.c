@@ -4,12 +4,13 @@
 #include "libcore/step/step_parts.h"
 
 enum {
-    SLOW = 50,  /* a collapse: after so many consecutive tiny steps dt falls by half within as many more */
-    STUCK = 500 /* a collapse: so many consecutive tiny steps; dense gas that hits a wall needs some and recovers */
+    SLOW = 50, /* a collapse: after this number of consecutive tiny steps dt falls by half within as many more */
+    STUCK =
+        500 /* a collapse: this number of consecutive tiny steps; dense gas that hits a wall needs some and recovers */
 };
 /* A rejected step is shortened at most by this factor at once, as the shorter step heats less. */
 static const double LEAST_SHARE = 1. / 16;
-/* A step that is no longer than so many last digits of t is the end: t would be off by a hundredth of it. */
+/* A step that is no longer than this number of last digits of t is the end: t would be off by a hundredth of it. */
 static const double DIGITS = 64;
 
 double rate_of_start(struct gas *g) {

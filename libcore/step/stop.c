@@ -103,7 +103,7 @@ status stop_of_collapse(struct gas *g, double t, double dt, const struct gas_spe
         "  a way through: thresholdSpeed in `grain` of constant/granularProperties, say a tenth of sqrt(T) around\n"
         "  so far %ld faces of %ld cells were limited, %ld steps rejected%s",
         t, q.place[0], q.place[1], q.place[2], q.alpha, q.T, dt, c.faces, c.cells, c.rejected,
-        noisy ? ": so many point at a noisy flux; compare with fluxScheme common" : "");
+        noisy ? ": this number points at a noisy flux; compare with fluxScheme common" : "");
 }
 
 status stop_of_speed(struct gas *g, double t, const struct gas_speed *speed) {

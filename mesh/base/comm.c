@@ -42,7 +42,7 @@ static void start_alone(void) {
     setenv("OMPI_MCA_pml", "ob1", 0);
     setenv("HWLOC_COMPONENTS", "-linuxio", 0);
     setenv("HWLOC_PLUGINS_PATH", "/dev/null", 0);
-    MPI_Init(NULL, NULL); /* a failure ends the process: nobody has asked MPI for another behaviour */
+    MPI_Init(NULL, NULL); /* a failure ends the process, which is the default of MPI */
 }
 
 status comm_start(int *argc, char ***argv, struct comm **out) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Moves values between slices and lists of cells (share.h), in rounds of so many cells a rank that messages stay
+/* Moves values between slices and lists of cells (share.h), in rounds of as many cells a rank as keep messages
  * small. */
 #include "mesh/base/share.h"
 

@@ -17,7 +17,7 @@
 status file_open_read(const char *path, int *out, size_t *bytes);
 /* The same of a file of any size, for who reads it in pieces. */
 status file_open_pieces(const char *path, int *out, size_t *bytes);
-/* Fails if PATH and PATH.gz are both there: OpenFOAM's writers leave one, and nobody knows which of two is meant. */
+/* Fails if PATH and PATH.gz are both there: OpenFOAM's writers leave one, and it is not clear which is meant. */
 status file_single(const char *path);
 size_t file_most(void); /* bytes of a file that are read at most: 16 GiB, or the memory of this machine */
 /* Returns the length of the part of `path` that names the case: the folder above the last `system`, `constant` or time

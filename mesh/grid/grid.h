@@ -36,7 +36,7 @@ struct spread;
 status grid_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct grid **out);
 void grid_free(struct grid *g);
 void grid_settle(struct grid *g); /* frees what grid_locate needs: no point is looked for any more */
-int grid_tile_size(int dim);      /* most cells of a tile along an axis, of a lattice of so many axes */
+int grid_tile_size(int dim);      /* most cells of a tile along an axis, of a lattice of dim axes */
 
 double grid_volume(const struct grid *g, int block, int i); /* of cell i of a block of this rank, m^3 */
 /* Sets x (m) to the centre of cell i of a block of this rank. */

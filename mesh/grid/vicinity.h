@@ -35,7 +35,7 @@ struct vicinity_field {
     double (*gradient)[3]; /* [ncells], first NAN: not found yet; NULL: gradients are not kept */
     double *at_point;      /* [npoints], as gradient */
 };
-/* Makes a field with room. A field that is asked for few values needs none: {v, value, stride, NULL, NULL}. */
+/* Makes a field with room. A field of which few values are read needs none: {v, value, stride, NULL, NULL}. */
 status vicinity_field_make(const struct vicinity *v, const double *value, int stride, struct vicinity_field *out);
 void vicinity_field_free(struct vicinity_field *f);
 

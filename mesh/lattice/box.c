@@ -43,7 +43,7 @@ status box_make(struct box *b, int dim, const int n[3], const double length[3], 
         box_free(b);
         return s;
     }
-    /* There are at most so many faces inside; their numbers do not matter. */
+    /* An upper bound of the number of faces inside; their numbers do not matter. */
     const int inside = 3 * cells;
     b->mesh = (struct polymesh){
         .ncells = cells, .nfaces = inside, .ninternal = inside, .npatches = 2 * dim, .patch = b->patches};

@@ -27,7 +27,7 @@ struct tile {
     bool remote;         /* does a ghost layer come from another rank? */
 };
 /* What a tile stands for: itself or, where an axis is uniform, also its images along that axis, cut as tiles would be.
- * Values go in and out by blocks, so that nobody else sees which axes are uniform. */
+ * Values go in and out by blocks, so no other code sees which axes are uniform. */
 struct forest_block {
     int id;          /* place along the curve among the blocks of all ranks */
     int tile;        /* index in tile[] of the tile that holds its values */

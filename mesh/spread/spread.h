@@ -20,7 +20,7 @@ struct spread {
 /* Reads and checks the polyMesh in a folder (polymesh_read, polymesh_check). Where a lattice is looked for, one makes a
  * mesh with sites (polymesh.h), *out is NULL then, and one rank leaves a mesh that is none to polymesh_read; `arrays`:
  * one rank keeps the arrays of such a mesh, since they will be read. *mesh is NULL if the mesh is not sound, or not as
- * writers put it: who then reads it as a whole is told what is wrong. Errors are those of the file `boundary`, and
+ * writers put it: the error then comes from the reader of the whole mesh. Errors are those of the file `boundary`, and
  * those of lists that labels of 32 bits cannot count. Collective. */
 status spread_read(const char *dir, const struct comm *c, bool lattice, bool arrays, struct spread **out,
                    struct polymesh **mesh);

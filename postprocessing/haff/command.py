@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line of every command: one look, `-help` and `-version` everywhere, files only where one is told to, and what goes
+"""The command line of every command: one look, `-help` and `-version` everywhere, files only where the user says so, and what goes
 wrong said in one message."""
 import argparse
 import contextlib

@@ -85,7 +85,7 @@ class Share:
 
 
 def read_table(path, number):
-    """The Rank of each of so many ranks, from the table that haffmessages.so writes."""
+    """The Rank of each rank, from the table that haffmessages.so writes."""
     ranks = [Rank() for _ in range(number)]
     with open(path) as f:
         for row in csv.DictReader(f):
@@ -111,7 +111,7 @@ def run(case, ranks, steps):
 
 
 def count(case, ranks, steps, after, repeats=1):
-    """A case on so many ranks over `steps` steps behind the first `after`, times as medians of the repeats; and its log."""
+    """A case on that number of ranks over `steps` steps behind the first `after`, times as medians of the repeats; and its log."""
     several = []
     for _ in range(repeats):
         before, early, _ = run(case, ranks, after)
@@ -192,7 +192,7 @@ def memory_fit(counted):
 
 
 def split(ranks, dim):
-    """Boxes along each axis, as even as they can be, of so many in all."""
+    """Boxes along each axis, as even as they can be, of that total number."""
     parts, rest, factor = [1] * dim, ranks, 2
     factors = []
     while rest > 1:
@@ -221,7 +221,7 @@ def write_box(folder, n):
 
 
 def weak(model, ranks, dim, cells):
-    """The largest of N ranks of a box that has about so many cells for each."""
+    """The largest of N ranks of a box that has about that number of cells for each."""
     a_side = max(round(cells ** (1 / dim)), 1)
     n = [a_side * k for k in split(ranks, dim)] + [1] * (3 - dim)
     with tempfile.TemporaryDirectory() as folder:

@@ -50,7 +50,7 @@ struct setup { /* the same on every rank, but for the grid */
 struct case_reading {
     bool strict;         /* are warnings errors? */
     bool afresh;         /* does the run start from 0.orig, whatever startFrom says? */
-    struct cures *cures; /* gets those of the warnings; NULL: nobody asks */
+    struct cures *cures; /* gets those of the warnings; NULL: none are wanted */
     int ranks;           /* of a program that the medium starts (medium_type.starts); 0: one */
 };
 /* Reads and checks the case in `dir` for a type of medium, and the state it starts from. Collective. */

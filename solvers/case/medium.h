@@ -156,7 +156,7 @@ struct medium { /* the first member of each medium's own struct */
     struct offered fields; /* where `read` sets none: those of the type */
     double next;           /* s: step to try next, which uniform/time keeps as deltaT for a restart; 0: the last step */
     double end;            /* s: end of the next step if it is not shortened, which t + dt may miss by a bit */
-    bool (*asked)(void);   /* has this rank been asked to end the run? NULL: nobody asks */
+    bool (*asked)(void);   /* shall this rank end the run? NULL: never */
 };
 
 extern const struct medium_type gas_medium, segregation_medium, grains_medium, dem_medium;

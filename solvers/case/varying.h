@@ -26,8 +26,8 @@ void varying_keywords(struct keywords *k, const struct boundary_type *type);
 void varying_entry(char entry[KEYWORD_TEXT], const struct boundary_type *type);
 
 struct varying;
-/* Reads what a patch of a field with so many components gives besides its type; *out is NULL if that is none of the
- * above. The dictionary must live as long as *out. */
+/* Reads what a patch of a field with that number of components gives besides its type; *out is NULL if that is none of
+ * the above. The dictionary must live as long as *out. */
 status varying_read(struct dict *d, int components, const struct boundary_type *type, const struct polymesh *m,
                     int patch, struct varying **out);
 void varying_free(struct varying *v);

@@ -72,12 +72,12 @@ struct warnings {
     bool silent;          /* does another rank print? */
     const bool *accepted; /* [WARNINGS] those that controlDict accepts; borrowed */
     bool said[WARNINGS];  /* was it said without being accepted? */
-    struct cures *cures;  /* gets the cures; NULL: nobody asks */
+    struct cures *cures;  /* gets the cures; NULL: none are wanted */
 };
 /* Prints "warning: FILE:LINE: .. [NAME]", or "accepted warning: ..": `format` begins with the place. Fails if the
  * warning is an error. Every rank calls this alike. */
 status warn(struct warnings *w, enum warning id, const char *format, ...) __attribute__((format(printf, 3, 4)));
-/* Notes the cure of a warning, unless that is accepted or nobody asks. `to` may be NULL with CURE_ENTRY. */
+/* Notes the cure of a warning, unless that is accepted or no cures are wanted. `to` may be NULL with CURE_ENTRY. */
 void warn_cure(struct warnings *w, enum warning id, enum cure_kind kind, const char *path, int line, const char *from,
                const char *to);
 /* Returns how many kinds of warnings were said without being accepted, and lists their names. */

@@ -99,7 +99,7 @@ status means_list(struct dict *d, const char *key, long size, double **out);
 /* Begins a row of table i. *out is NULL on the other ranks, for which function_value and function_end_row do nothing.
  */
 status function_row(struct function *f, int i, double t, FILE **out);
-/* Prints a number, or a vector (x y z), with so many digits, behind a blank or a tab. */
+/* Prints a number, or a vector (x y z), with that number of digits, behind a blank or a tab. */
 void function_value(FILE *o, char blank, int digits, int components, const double *v);
 /* Ends a row of a table and hands it to the system; fails if that has no room for it. */
 status function_end_row(const struct function *f, FILE *o);

@@ -10,7 +10,7 @@
 /* The fraction of alphaMax beyond which it is packing that makes c large. */
 static const double DENSE = 0.9;
 
-/* So many explicit steps in a row, though gas is dense, are told of: before there was an implicit one, and later. */
+/* The log tells of this number of explicit steps in a row in dense gas: before the first implicit one, and later. */
 enum { FIRST_BED = 100, NEXT_BED = 1000, PLACE = 200 };
 
 /* A bed that lands damps sound in a step or two among many. So there is a warning while a run goes on if more of its

@@ -579,8 +579,8 @@ void models_print(FILE *f, const struct case_models *m, bool polyhedral) {
 
 /* ---- memory ---- */
 
-/* Returns the doubles of a bed (libcore/acoustics/bed_private.h) that holds so many cells and faces, with its room to
- * grow. */
+/* Returns the doubles of a bed (libcore/acoustics/bed_private.h) that holds these numbers of cells and faces, with its
+ * room to grow. */
 static double bed_memory(int dim, int components, double cells, double faces) {
     const int nvar = components + 2;
     return 1.5 * (cells * (13 + components + nvar * (3 + dim)) + faces * (17 + 2 * nvar));

@@ -101,7 +101,7 @@ static void take_lines(const struct gas_view *v, enum gas_field field, int lines
     }
 }
 
-/* Sets gradient[k lines + c] to the derivatives of a field with so many lines, whose memory is taken from `room`
+/* Sets gradient[k lines + c] to the derivatives of a field with that number of lines, whose memory is taken from `room`
  * [(dim + 1) lines ncells]. Collective. */
 static status differentiate(const struct gas_view *v, enum gas_field field, int lines, double *room,
                             double *gradient[9]) {

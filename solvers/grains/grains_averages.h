@@ -32,7 +32,7 @@ status averages_make(const struct coarse_grid *grid, double window, int samples,
  * kernel or windows are others. */
 status averages_resume(const struct coarse_grid *grid, double window, int samples, double t, int grains,
                        const struct averages_saved *saved, struct averages **out, bool *kept);
-status averages_room(struct averages *a, int grains);               /* makes room for so many grains */
+status averages_room(struct averages *a, int grains);               /* makes room for these grains */
 void averages_save(struct averages *a, struct averages_saved *out); /* borrows the sums */
 void averages_free(struct averages *a);
 /* Could averages have such a mark? */

@@ -76,7 +76,8 @@ static void write_cells(const struct setup *s, struct sink *o) {
     for (long i = 0; i < n; i++) sink_write(o, &type, 1);
 }
 
-/* Prints the entry of an array; in a piece with its place in the appended data, which moves on by so many bytes. */
+/* Prints the entry of an array; in a piece with its place in the appended data, which moves on by the number of bytes.
+ */
 static void print_array(struct sink *o, const char *type, const char *name, int components, long *at, long bytes) {
     sink_printf(o, "<%sDataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\"", at ? "" : "P", type, name,
                 components);
@@ -85,7 +86,7 @@ static void print_array(struct sink *o, const char *type, const char *name, int 
     if (at) *at += bytes + (long)sizeof(uint64_t);
 }
 
-/* Prints the entries of a piece of n cells and so many points or, if `at` is NULL, of the index. */
+/* Prints the entries of a piece of n cells and its points or, if `at` is NULL, of the index. */
 static void print_arrays(const struct setup *s, struct sink *o, const int *quantity, long *at, long n, long points) {
     const char *p = at ? "" : "P";
     sink_printf(o, "<%sPoints>\n", p);

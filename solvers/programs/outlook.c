@@ -9,7 +9,7 @@ static const double MANY = 1e6;       /* steps, of which a note tells */
 static const double FAR_TOO = 1e7;    /* steps, of which a warning tells */
 static const double FALLEN = 1000;    /* steps foretold now, beside those foretold first */
 static const double FEW = 100;        /* a run of fewer steps may take many more without being long */
-static const double MORE = 10;        /* times the steps foretold: a run of so many is no matter of their length */
+static const double MORE = 10;        /* times the steps foretold: more are not due to their length */
 static const double NARROW = 1e-6;    /* V/A of a cell beside the median */
 static const double MANY_TIMES = 1e5; /* that are written */
 enum { PLACE = 400 };
@@ -59,7 +59,7 @@ static status check_steps(struct setup *s, const struct pace *pace, double dt, d
                 bound);
 }
 
-/* Warns of so many times that they may fill a disk; `steps` is how many steps there will be, about. */
+/* Warns if there are enough times to fill a disk; `steps` is how many steps there will be, about. */
 static status check_number(struct setup *s, double span, double steps) {
     const struct control *c = s->control;
     const struct trigger *w = &c->write;

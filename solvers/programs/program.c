@@ -150,7 +150,7 @@ status options_relaunch(int argc, char **argv, const struct options *o) {
                 strerror(reason));
 }
 
-/* Warns if the log could not be written, except to a pipe: a pipe that nobody reads any more was closed on purpose. */
+/* Warns if the log could not be written, except to a pipe: a pipe without a reader was closed on purpose. */
 static void check_log(void) {
     struct stat info;
     bool failed = fflush(stdout) || ferror(stdout);

@@ -56,7 +56,7 @@ static void catch_signals(void) {
         bool nohup = !sigaction(signals[i], NULL, &was) && was.sa_handler == SIG_IGN && signals[i] == SIGHUP;
         if (!nohup) sigaction(signals[i], &action, NULL); /* SIGINT, too, which shells let background jobs ignore */
     }
-    /* A file-size limit is a failed write, and a log that nobody reads any more is no reason to lose the run. */
+    /* A file-size limit is a failed write, and a closed log is no reason to lose the run. */
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
 }

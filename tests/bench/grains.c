@@ -17,7 +17,8 @@ struct scene {
     bool bed; /* gravity 1 along -y, walls below and high above, diameter 1 */
     double T, shake;
     int64_t impacts;
-    int facets; /* > 0: walls all around, of facets: so many squares, cut in two, along each side; < 0: flat ones */
+    int facets; /* > 0: walls all around, of facets: the number of squares, cut in two, along each side; < 0: flat ones
+                 */
 };
 static const struct scene scenes[] = {
     {"disks", 2, {50, 60, 1}, 0.5, 1, false, 1, 0, 3000000, 0},

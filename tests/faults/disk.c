@@ -2,7 +2,7 @@
 /* Faults of disks and machines, for tests: preloaded (LD_PRELOAD), it counts the calls that change files below the
  * folder HAFF_FAULT_FOLDER, and at call number N of HAFF_FAULT="KIND:N" lets one happen.
  *
- *   count    none; the number of calls is told on standard error when the program ends
+ *   count    none; standard error gets the number of calls when the program ends
  *   kill     the process dies (SIGKILL) in place of the call
  *   power    the same, and what was not brought to the disk (fsync) is lost: contents of files, names in folders
  *   full     from this call on nothing can be created or written: ENOSPC

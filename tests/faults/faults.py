@@ -94,7 +94,7 @@ def run(case, *options, fault=None, **more):
 
 
 def start(case, lines=1, word="    written", command=(GAS,), **options):
-    """A run in the background that has printed so many lines that begin with that word; and what it printed."""
+    """A run in the background that has printed that number of lines that begin with the word; and what it printed."""
     going = subprocess.Popen([*command, "-case", case], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
     text = []
     for line in going.stdout:
@@ -152,7 +152,7 @@ def kills(folder, count, seed=1):
 
 
 def at_each_call(folder, kind, done, every=1, seed=1, codes=(0, 3)):
-    """The fault in place of each call (or every so many) that changes a file, of a run that writes new times over old ones."""
+    """The fault in place of each call (or of every n-th) that changes a file, of a run that writes new times over old ones."""
     chance = random.Random(seed)
     outcome = Outcome(done)
     straight = straight_run(folder, kind, steps=3)

@@ -177,7 +177,7 @@ def long_functions(files, longest):
 
 
 def long_lists(files, most):
-    """Functions, also their types, that take more than so many parameters."""
+    """Functions, also their types, that take more than that number of parameters."""
     return [f"{path}: {name} has {count} parameters" for path, text in files.items()
             for name, count in ((found[1], found[2].count(",") + 1) for found in re.finditer(
                 r"^[A-Za-z_][\w \t*]*?\b(\w+)\(((?:[^(){};]|\([^(){};]*\))*)\)", bare(text), re.MULTILINE)) if count > most]
@@ -244,7 +244,7 @@ def shared_kernels(files):
 
 
 def shared_tags(files, layers):
-    """Tags of structs, unions and enums that are defined more than once in a layer: nobody can tell from a name which is meant."""
+    """Tags of structs, unions and enums that are defined more than once in a layer: the name does not say which is meant."""
     found, wrong = {}, []
     for path, text in files.items():
         layer = path.split("/")[0]

@@ -21,7 +21,7 @@ def view(azimuth, height):
 
 
 def lit(thick, lean):
-    """Light that reaches each place of a cube [z][y][x] from above, from a lamp that leans towards x and z by so many places a layer."""
+    """Light that reaches each place of a cube [z][y][x] from above, from a lamp that leans towards x and z by that number of places a layer."""
     light, above = np.empty_like(thick), np.zeros(thick[:, 0].shape)
     for y in range(thick.shape[1] - 1, -1, -1):
         at = np.indices(above.shape)

@@ -93,7 +93,7 @@ def finish_bar(made, text=None, mark=None):
 # ---- layout ----
 
 def arrange(count, ratio, width=7.2, most=8.0):
-    """(columns, height of a panel) for so many panels whose width over height is `ratio`, on a page that is wider than high."""
+    """(columns, height of a panel) for that number of panels whose width over height is `ratio`, on a page that is wider than high."""
     best = None
     for columns in range(1, count + 1):
         rows = -(-count // columns)

@@ -30,7 +30,7 @@ class Wish:
 
     @property
     def plain(self):
-        """Nothing is asked for that only fields have."""
+        """No option is set that only fields have."""
         return not (self.line or self.cut or self.iso is not None or self.volume)
 
     def names(self):
@@ -76,7 +76,7 @@ def some_of(names, most=12):
 
 
 def spread(names, count):
-    """At most so many names, evenly from the first to the last."""
+    """At most that number of names, evenly from the first to the last."""
     if len(names) <= count:
         return list(names)
     return [names[i] for i in np.unique(np.rint(np.linspace(0, len(names) - 1, count)).astype(int))]

@@ -44,7 +44,7 @@ class Film:
 
 
 def some_of(times, count):
-    """At most so many times, evenly; a single one is the last."""
+    """At most that number of times, evenly; a single one is the last."""
     return list(times[-1:]) if count == 1 else spread(times, count)
 
 

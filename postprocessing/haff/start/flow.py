@@ -10,7 +10,7 @@ AXES = "xyz"
 
 
 def rounded(x, digits=2):
-    """x with so many digits."""
+    """x with that number of digits."""
     return float(f"{x:.{digits - 1}e}")
 
 

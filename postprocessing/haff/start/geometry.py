@@ -111,7 +111,7 @@ def make_poly_mesh(folder):
 
 
 def box(lengths, cells, names=("left", "right", "bottom", "top", "back", "front")):
-    """The text of a .geo file of a box of so many cells along each axis: a line, a rectangle, a box. names: of its sides."""
+    """The text of a .geo file of a box with these numbers of cells along its axes: a line, a rectangle, a box. names: of its sides."""
     names = names[:2 * len(lengths)]
     head = [f"// A box of {' x '.join(f'{x:g}' for x in lengths)} in {' x '.join(map(str, cells))} cells."]
     head += [f'DefineConstant[ {key} = {{{value:.12g}, Name "length along {axis}"}} ];' for key, value, axis in zip("LHD", lengths, "xyz")]

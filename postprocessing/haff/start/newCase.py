@@ -13,7 +13,7 @@
     newCase DIR -column 2                                   a column, twice as high as wide, collapses on a floor
 
 What a patch is, its name says: inlet; outlet; open, farfield; symmetry; periodic; wall, floor, left, ..; body, cylinder, obstacle, ..
-(a wall, whose forces are measured). Patches of other names become walls, and are told; -patch NAME=KIND says else (KIND: wall body inlet
+(a wall, whose forces are measured). Patches of other names become walls, which newCase says; -patch NAME=KIND says else (KIND: wall body inlet
 outlet open symmetry periodic empty rough: a wall that grains rub on). Gravity points against the last axis of the mesh (y in a plane, z
 in space), whatever its sign, unless it is a vector.
 With an inlet the domain is full of the stream; with gravity and a floor a layer lies on it; else the gas is at rest but for faint waves,

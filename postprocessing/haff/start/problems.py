@@ -61,7 +61,7 @@ def chute(angle, d, g):
 
 
 def silo(opening, d, g):
-    """A silo with a flat floor, 32 diameters wide and filled to 24, over a slot of so many diameters and a room that is open downwards."""
+    """A silo with a flat floor, 32 diameters wide and filled to 24, over a slot of that width in diameters and a room that is open downwards."""
     if not 4 <= opening <= 24 or opening % 2:
         raise ValueError(f"-silo {opening:g}: the width of the slot in grain diameters, an even number of 4 to 24")
     flow = f"{{ type surfaceFieldValue; fields (phi); regionType sampledSurface; operation sum; sampledSurfaceDict {{ type plane; basePoint (0 {-1.5 * d:g} 0); normalVector (0 -1 0); }} }}"

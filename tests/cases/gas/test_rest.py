@@ -19,7 +19,7 @@ class Rest(harness.Folder, unittest.TestCase):
     case = test_layers.Layers.case
 
     def steps(self, case, steps, dt):
-        """The case after so many steps of dt."""
+        """The case after n steps of dt."""
         path = os.path.join(case, "system", "controlDict")
         with open(path) as f:
             text = f.read()

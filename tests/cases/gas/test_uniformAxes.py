@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Axes along which a run is uniform are computed on one layer of cells, and nobody sees it: every byte that a run writes
+"""Axes along which a run is uniform are computed on one layer of cells, and no output shows it: every byte that a run writes
 is that of the full computation, on any number of ranks. One bit in one cell brings the full computation back."""
 import os
 import re
@@ -61,7 +61,7 @@ class UniformAxes(harness.Folder, unittest.TestCase):
         return case
 
     def pair(self, case, computed, ranks, but=()):
-        """Runs in full, then as found on so many ranks; the log says how many cells are computed. Files of the names `but` may differ.
+        """Runs in full, then as found on that number of ranks; the log says how many cells are computed. Files of the names `but` may differ.
         Returns the full case and the last log."""
         full = shutil.copytree(case, case + "_full")
         runs.add(full, "system/fvSolution", "skipUniformAxes no;\n")

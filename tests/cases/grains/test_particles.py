@@ -88,7 +88,7 @@ def cloud(case, positions, U=None):
 
 
 def by_steps(case, steps):
-    """The run ends at the first write, after so many steps; there is no endTime."""
+    """The run ends at the first write, after that number of steps; there is no endTime."""
     harness.edit(case, "system/controlDict", writeControl="timeStep", writeInterval=steps)
     path = os.path.join(case, "system", "controlDict")
     with open(path) as f:

@@ -263,7 +263,7 @@ class Checksums(harness.Folder, unittest.TestCase):
 
 
 class Beside(harness.Folder, unittest.TestCase):
-    """A file beside its zipped form, which may be older or newer: nobody knows which is meant, so neither is read."""
+    """A file beside its zipped form, which may be older or newer: it is not clear which is meant, so neither is read."""
 
     def test_refused(self):
         case = runs.make(os.path.join(self.folder, "zipped"), (6, 6, 1), 0.002, interval=0.001, compression="on")

@@ -98,7 +98,7 @@ class Restart(harness.Folder, unittest.TestCase):
             runs.same(self, runs.contents(os.path.join(case, name)), runs.contents(os.path.join(part, name)))
 
     def test_signals(self):
-        """SIGTERM at any moment (in a pipe that nobody reads, too): exit code 0, and the end is the same."""
+        """SIGTERM at any moment (also with a pipe without a reader): exit code 0, and the end is the same."""
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         case = self.through("signals", n=(100, 80, 1), end=0.3, interval=0.3, hole=True)
         work = (resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before) / 60  # eight of them leave most of the run

@@ -4,7 +4,7 @@
 
 #include "libcore/gas/diffusion.h"
 
-/* R(z) after a super step of so many stages, z = -dt times the rate */
+/* R(z) after a super step of n stages, z = -dt times the rate */
 static double left_of(const struct diffusion *d, int stages, double z) {
     double c[4], S[2] = {0, 0}, q = 1;
     for (int j = 1; j <= stages; j++) {

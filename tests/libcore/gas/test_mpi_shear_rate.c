@@ -26,7 +26,7 @@ static const struct transport SHEARING = {.needs = NEEDS_SHEAR_RATE, .coefficien
 static void no_law(const struct own_params *params, const struct closure_line *cells, double *restrict bulk,
                    double *restrict shear, double *restrict heat) {
     (void)params;
-    assert_null(cells->shear_rate); /* nobody asked */
+    assert_null(cells->shear_rate); /* no law wants it */
     for (int i = 0; i < cells->n; i++) bulk[i] = shear[i] = heat[i] = 0;
 }
 static const struct transport NONE = {.coefficients = no_law};

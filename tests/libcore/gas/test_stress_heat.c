@@ -56,7 +56,7 @@ static void open_scene(struct scene *s, const char *diffusion, bool polyhedral, 
     open_models(s, &LAW, diffusion, polyhedral, at, false, 0);
 }
 
-/* The state after so many half steps, of the same total energy; caller frees. */
+/* The state after n half steps, of the same total energy; caller frees. */
 static double *after(struct scene *s, int steps, double time) {
     double before[MAX_VAR], end[MAX_VAR];
     ok(gas_totals(s->gas, before));
@@ -243,7 +243,7 @@ static void between_walls(const double x[3], double *rho, double u[3], double *T
     *T = 1 + x[0];
 }
 
-/* Steady, after so many whole steps. */
+/* Steady, after n whole steps. */
 static double *settled(bool polyhedral, double heating, int steps) {
     struct scene s;
     open_models(&s, transport_find("JenkinsRichman"), "RKJ2", polyhedral, between_walls, true, heating);

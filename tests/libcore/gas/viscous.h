@@ -226,7 +226,7 @@ static inline void turning(const double x[3], double *rho, double u[3], double *
     for (int k = 0; k < 3; k++) u[k] = spin[(k + 1) % 3] * arm[(k + 2) % 3] - spin[(k + 2) % 3] * arm[(k + 1) % 3];
 }
 
-/* The axis of a box of so many dimensions: none of the mesh's, if there are three. */
+/* The axis of a box of dim dimensions: none of the mesh's, if there are three. */
 static inline void turn(int dim) {
     for (int k = 0; k < 3; k++) spin[k] = dim == 3 ? (const double[]){1.2, -2, 1.9}[k] : k == 2 ? 3 : 0;
 }

@@ -23,7 +23,7 @@ static void gentle(const double at[3], double *rho, double u[3], double *T) {
 static const char *const schemes[] = {"implicit", "implicitMidpoint", "gaussLegendre"};
 enum { SCHEMES = sizeof schemes / sizeof *schemes };
 
-/* The largest difference from `exact` after so many steps of a scheme; iterations: at most so many a step. */
+/* The largest difference from `exact` after n steps of a scheme; iterations: the most of a step. */
 static double error_of(const char *wall, const char *scheme, int steps, int iterations, const double *exact) {
     struct scene s;
     double error = 0;

@@ -78,7 +78,7 @@ static const struct cells_recipe rough[] = {
 };
 enum { ROUGH = sizeof rough / sizeof *rough };
 
-/* The state after so many steps; iterations: at most so many a step, 0: not counted. */
+/* The state after n steps; iterations: the most of a step, 0: not counted. */
 static double *spread_out(const struct cells_recipe *r, const char *scheme, int steps, int iterations, int *numbers) {
     struct scene s;
     choose(&s, r->dim, &OF_DENSITY, false, scheme);

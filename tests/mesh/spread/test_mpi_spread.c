@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Meshes spread over the ranks: what every rank knows of them is what the whole mesh says; parts are those of the whole
- * mesh; what is wrong with a mesh is found in its slices, too; meshes that are no lattices are told by their slices. */
+ * mesh; what is wrong with a mesh is found in its slices, too; slices show which meshes are no lattices. */
 #define _GNU_SOURCE /* mkdtemp */
 #include "mesh/lattice/lattice.h"
 #include "mesh/spread/spread.h"
