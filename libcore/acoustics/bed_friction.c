@@ -23,8 +23,8 @@
 
 /* Faces whose lighter cell is less dense than packed gas have a modulus lower by that ratio, for else thin gas beside
  * packed gas would need many stages. Stages: rates are bounded from above by those of the differences across faces,
- * times SAFE, for the differences along them. */
-static const double SAFE = 1.2;
+ * times SAFE, for the differences along them; on other meshes than boxes, where these reach farther, SAFE_ASKEW. */
+static const double SAFE = 1.2, SAFE_ASKEW = 2;
 /* |RKC's polynomial| is at most 1/DAMPED where it no longer falls with the rate. */
 static const double DAMPED = 10;
 /* A step that would take more stages fails: half of it takes half as many. */
@@ -220,8 +220,8 @@ static double norm_of(const struct bed *b, const double *a) {
     return sqrt(square);
 }
 
-struct load { /* on a face: the pressure on it; s times that; the lesser density of its cells */
-    double p, carried, light;
+struct load { /* on a face: the pressure on it; s times that; the lesser s and density of its cells */
+    double p, carried, contact, light;
 };
 static double lightest(const struct bed *b, const struct face_view *v) {
     return smaller(b->lines->rho[v->left < 0 ? v->right : v->left], b->lines->rho[v->right < 0 ? v->left : v->right]);
@@ -234,8 +234,8 @@ static struct load load_of(const struct bed *b, const struct face_view *v, const
     const double rho[2] = {b->lines->rho[first], b->lines->rho[last]};
     const double P[2] = {load_at(b, v->face, v->left < 0, gravity), load_at(b, v->face, v->right >= 0, gravity)};
     const double p = larger((rho[1] * P[0] + rho[0] * P[1]) / (rho[0] + rho[1]), 0);
-    const double share = larger(b->rub->share[first], b->rub->share[last]);
-    return (struct load){p, share * p, lightest(b, v)};
+    const double s[2] = {b->rub->share[first], b->rub->share[last]};
+    return (struct load){p, larger(s[0], s[1]) * p, smaller(s[0], s[1]), lightest(b, v)};
 }
 
 /* Is a face on a wall that grains slip on before they yield? Grains do not cohere with it. */
@@ -252,7 +252,7 @@ static double surface_cohesion(const struct bed *b, const struct face_view *v, c
                : 0;
 }
 
-/* Returns Y of a face: s mu(I) P and cohesion. */
+/* Returns Y of a face: s mu(I) P and cohesion, where both of its cells are packed. */
 static double yield_of(const struct bed *b, const struct face_view *v, const double gravity[MAX_DIM], double strain) {
     const struct friction_params *f = &b->friction.params;
     const struct load l = load_of(b, v, gravity);
@@ -261,7 +261,7 @@ static double yield_of(const struct bed *b, const struct face_view *v, const dou
     inertia = 2 * strain * b->friction.grain / sqrt(l.p);
     b->friction.law->coefficient(f, 1, &inertia, &mu);
     if (slips_at(b, v->face)) return smaller(mu, b->set.wall_friction[v->face]) * l.carried;
-    return mu * l.carried + f->cohesion + surface_cohesion(b, v, &l, gravity);
+    return mu * l.carried + l.contact * f->cohesion + surface_cohesion(b, v, &l, gravity);
 }
 
 /* Freezes th and the coefficients of all faces, with the rates of strain of the velocity at the start. */
@@ -310,6 +310,7 @@ static void list_faces(const struct bed *b) {
 /* Returns the largest rate of a cell times dt. */
 static double find_rate(const struct bed *b, double dt) {
     const struct bed_friction *r = b->rub;
+    const double safe = b->set.shapes->boxes ? SAFE : SAFE_ASKEW;
     double most = 0;
     for (int i = 0; i < b->set.cells; i++) {
         double sum = 0;
@@ -319,7 +320,7 @@ static double find_rate(const struct bed *b, double dt) {
             const struct face_view v = view_of(b, s.face);
             sum += 4. / 3 * b->set.shapes->area[s.shape] * r->stiff[s.face] / v.depth;
         }
-        most = larger(most, SAFE * sum * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]));
+        most = larger(most, safe * sum * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]));
     }
     comm_max(b->comm, &most, 1);
     return most;
@@ -435,16 +436,21 @@ static int solve(const struct bed *b, double dt, double rate) {
 
 /* ---- the results ---- */
 
-/* A cell is held as far as none of its faces yields. */
+/* A cell is held as far as none of its faces yields; walls count as far as they hold the gas. */
 static void find_held(const struct bed *b) {
     const struct bed_friction *r = b->rub;
     for (int i = 0; i < b->set.cells; i++) {
-        double least = 2;
+        double least = 2, walls = 1;
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
-            const struct bed_side s = bed_side(b, j);
-            if (r->part[s.face] > 0) least = smaller(least, r->part[s.face]);
+            const int f = bed_side(b, j).face;
+            const double part = r->part[f];
+            if (!(part > 0)) continue;
+            if (b->set.kind[f] == BED_WALL)
+                walls = smaller(walls, part + (1 - bed_grip(b, f)) * (1 - part));
+            else
+                least = smaller(least, part);
         }
-        r->held[i] = least > 1 ? 0 : least;
+        r->held[i] = least > 1 ? 0 : smaller(least, walls);
     }
     bed_fill(b, 1, &r->held);
 }

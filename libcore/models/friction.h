@@ -3,7 +3,7 @@
  * equations.
  *
  * Where gas is packed, contacts that last carry shear. Their stress tau obeys
- *     |tau| <= s(alpha) mu(I) p + cohesion,  |tau| = sqrt(tau:tau/2),
+ *     |tau| <= s(alpha) (mu(I) p + cohesion),  |tau| = sqrt(tau:tau/2),
  * with p of the equation of state, and has the direction of the strain rate D' where the grains slide. The inertial
  * number I = 2 |D'| sigma sqrt(rho_grain/p) compares the shear rate with the rate at which p rearranges grains. The
  * share s rises from 0 at alphaFriction to 1 at alphaSolid. The viscosities of the collisions fade as 1 - s, as they

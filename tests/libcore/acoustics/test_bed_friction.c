@@ -303,18 +303,19 @@ static void test_sheared_gas_has_the_yield_stress(void **state) {
     }
 }
 
-/* Returns the yield stress of a face by docs/physics.md 9.3: mu_static 0.38, cohesion 0.1, k = 0.5; on walls that
+/* Returns the yield stress of a face by docs/physics.md 9.3: mu_static 0.38, cohesion 100, k = 0.5; on walls that
  * grains slip on muWall 0.2 and no cohesion. p: of the cells. */
 static double yield_of_face(const struct box *x, const double *p, int f, double g) {
     const struct bed_set *b = &x->bed.set;
     const bool across = b->shape[f] == 1;
-    double share = 0, light = HUGE_VAL, P = 0, weights = 0, depth = 0;
+    double share = 0, contact = 1, light = HUGE_VAL, P = 0, weights = 0, depth = 0;
     for (int right = 0; right < 2; right++) {
         const int i = right ? b->right[f] : b->left[f], other = right ? b->left[f] : b->right[f];
         if (i < 0) continue;
         const double rho = x->bed.lines->rho[i], s = (rho * packing_per_density(&x->material) - 0.5) / 0.076;
         const double weight = x->bed.lines->rho[other < 0 ? i : other];
         share = larger(share, smaller(larger(s, 0), 1));
+        contact = smaller(contact, larger(s, 0));
         P += weight * (p[i] + (across ? (right ? 0.5 : -0.5) * rho * g : 0));
         weights += weight;
         light = smaller(light, rho);
@@ -323,7 +324,7 @@ static double yield_of_face(const struct box *x, const double *p, int f, double 
     P = larger(P / weights, 0);
     const double weight = light * g * depth, k = light > 0.1 * x->bed.limit ? 0.5 : 0;
     if (b->kind[f] == BED_WALL && b->wall_friction[f] < HUGE_VAL) return 0.2 * share * P;
-    return share * P > 0 ? 0.38 * share * P + 0.1 + k * weight * larger(0, 1 - P / (2 * weight)) : 0;
+    return share * P > 0 ? 0.38 * share * P + 100 * contact + k * weight * larger(0, 1 - P / (2 * weight)) : 0;
 }
 
 /* Stress beyond the yield stress falls to it at once, whatever stands beside a face. */
@@ -337,7 +338,7 @@ static void test_stress_falls_to_the_yield_stress(void **state) {
     unsigned seed = 4;
     bool done;
     struct box_form f = {.n = {6, 9, 1}, .width = 1, .friction = law("muI", 0.38)};
-    f.friction.params.cohesion = 0.1;
+    f.friction.params.cohesion = 100;
     f.friction.params.surface_cohesion = 0.5;
     make(&x, &f);
     for (int i = 0; i < N; i++) {
@@ -440,6 +441,31 @@ static void test_momentum_and_energy(void **state) {
         assert_true(heating < 1 ? -rubbed > 0.1 * before : fabs(rubbed) < 0.01 * before);
         assert_true(fabs(total(&x, E) - before - rubbed - lifted) < 1e-12 * before);
         box_free(&x);
+    }
+}
+
+/* Walls whose friction tends to 0 become walls without, on which gas slips. */
+static void test_walls_of_little_friction_slip(void **state) {
+    (void)state;
+    for (int k = 0; k < SHAKEN_FORMS; k++) {
+        struct box x[2];
+        struct box_form form = SHAKEN[k];
+        double off = 0, most = 0;
+        form.friction = law("muI", 0.38);
+        for (int one = 0; one < 2; one++) {
+            make(&x[one], &form);
+            set_shaken(&x[one], 3);
+            for (int f = 0; f < x[one].bed.set.faces; f++)
+                if (x[one].bed.set.wall_friction[f] < HUGE_VAL) x[one].bed.set.wall_friction[f] *= one ? 1e-13 : 0;
+            for (int n = 0; n < 5; n++) step(&x[one], 0.2, (const double[]){0.01, -0.03, 0});
+        }
+        for (int v = 0; v < x[0].bed.components + 2; v++)
+            for (int i = 0; i < x[0].bed.set.cells; i++) {
+                off = larger(off, fabs(x[1].bed.set.U[v][i] - x[0].bed.set.U[v][i]));
+                if (v > 0) most = larger(most, fabs(x[0].bed.set.U[v][i]));
+            }
+        assert_true(most > 0 && off < 1e-10 * most);
+        for (int one = 0; one < 2; one++) box_free(&x[one]);
     }
 }
 
@@ -660,6 +686,7 @@ int main(void) {
         cmocka_unit_test(test_sheared_gas_has_the_yield_stress),
         cmocka_unit_test(test_stress_falls_to_the_yield_stress),
         cmocka_unit_test(test_momentum_and_energy),
+        cmocka_unit_test(test_walls_of_little_friction_slip),
         cmocka_unit_test(test_gas_that_is_not_packed_has_no_friction),
         cmocka_unit_test(test_cold_gas_lies_in_its_cells),
         cmocka_unit_test(test_too_long_steps_fail),
