@@ -205,7 +205,8 @@ static void find_drive(const struct bed *b, double dt, const double gravity[MAX_
             const double rise = load_at(b, s.face, 1, gravity) - load_at(b, s.face, 0, gravity);
             const double over = s.right ? -q / (l + q) * rise : l / (l + q) * rise; /* p_f - P */
             for (int k = 0; k < b->dim; k++)
-                gain[k] -= s.sign * per * b->set.shapes->area[s.shape] * over * b->set.shapes->normal[k][s.shape];
+                gain[k] -= s.sign * per * b->set.shapes->area[s.shape] * over * b->set.shapes->normal[k][s.shape] *
+                           bed_tilt(b, s.shape, i, k);
         }
         for (int k = 0; k < b->components; k++) r->drive[k][i] = k < b->dim ? gain[k] : dt * gravity[k];
     }

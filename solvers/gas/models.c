@@ -435,8 +435,15 @@ status models_round(const struct setup *s, struct case_models *m) {
         return round_refuse(s, "a cooling law of the shear rate", "choose another one");
     if (gas_rubs(&m->gas)) return round_refuse(s, "friction", "say  friction none;  in constant/granularProperties");
     if (m->gas.ncarried) return round_refuse(s, "`carried`", "take it out of constant/granularProperties");
+    return OK;
+}
+
+status models_swirl(const struct setup *s, struct case_models *m) {
+    if (gas_rubs(&m->gas))
+        return round_refuse(s, "friction beside swirl, a velocity around the axis,", "take that velocity away");
     if (m->gas.acoustics && m->gas.acoustics->implicit && !m->gas.acoustics->automatic)
-        return round_refuse(s, "acoustics implicit", "say  acoustics { type explicit; }  in system/fvSolution");
+        return round_refuse(s, "acoustics implicit beside swirl, a velocity around the axis,",
+                            "say  acoustics { type explicit; }  in system/fvSolution");
     m->gas.acoustics = model_find(acoustics_table, sizeof *acoustics_table, acoustics_count, "explicit");
     return OK;
 }
