@@ -11,13 +11,13 @@ static const double ALONE = 1e-9, FLAT = 1e-6;
 static const double EVEN = 0.03; /* evenness from which on a gradient is trusted in full */
 
 double bed_fit_weight(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
-    const struct bed_shapes *h = b->set.shapes;
+    double *const *const mid[2] = {bed_middle(b, 0), bed_middle(b, 1)};
     double square = 0, weight = 1;
     const bool wall = b->set.kind[s->face] == BED_WALL, slips = wall && !bed_rubs_at(b, s->face);
     if (!wall && b->set.kind[s->face] != BED_INNER) return 0;
     if (!wall) weight = b->rub->share[across];
     for (int k = 0; k < b->dim; k++) {
-        to[k] = h->arm[s->right][k][s->shape] - (wall && !slips ? 0 : h->arm[!s->right][k][s->shape]);
+        to[k] = mid[s->right][k][s->shape] - (wall && !slips ? 0 : mid[!s->right][k][s->shape]);
         square += to[k] * to[k];
     }
     return weight / square;
