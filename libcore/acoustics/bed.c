@@ -54,6 +54,13 @@ status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides
     return friction_size(b, s, faces);
 }
 
+void bed_find_bodies(struct bed_set *s) {
+    for (int f = 0; f < s->faces; f++) {
+        if (s->left[f] >= 0) s->body[s->left[f]] = s->shapes->round->body[0][s->shape[f]];
+        if (s->right[f] >= 0) s->body[s->right[f]] = s->shapes->round->body[1][s->shape[f]];
+    }
+}
+
 /* Makes room to compute the present set. */
 static status make_lines(struct bed *b) {
     struct bed_lines *x = b->lines;

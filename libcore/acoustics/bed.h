@@ -51,6 +51,16 @@ enum bed_kind {
     BED_OPEN   /* towards an open patch */
 };
 
+/* Of a body of revolution (docs/physics.md 1.4): areas and volumes have the weight r. The pressure on the sides of a
+ * cell is the mean of those on its faces, so that the gradient of p along the radius is that of the plane. */
+struct bed_round {
+    int radial;              /* solved axis along the radius */
+    double *radius;          /* [shapes of cells] m: the volume over that in the plane */
+    double *flat;            /* [shapes of faces] m^(dim-1), > 0: area in the plane */
+    double *mid[2][MAX_DIM]; /* [left or right][shapes of faces] m: `arm` to the middle of the face in the plane */
+    int *body[2];            /* [left or right][shapes of faces] of boxes: shape of the cell there; else NULL */
+};
+
 /* The shapes of cells and faces, which the engine owns; equal ones are listed once. Vectors are along the axes that are
  * solved. Areas and volumes may have a common factor. */
 struct bed_shapes {
@@ -62,6 +72,7 @@ struct bed_shapes {
      * of the mirror image of the cell within */
     double *arm[2][MAX_DIM];
     double *depth[2]; /* [left or right][shapes of faces] m: distance of the cell's centre from the face, > 0 */
+    const struct bed_round *round; /* NULL: flow in the plane */
 };
 
 /* What a step takes from a bed's sound. Backward Euler for rho u_t = -grad p, p_t = -rho c^2 div u takes exactly

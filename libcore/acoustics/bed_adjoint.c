@@ -9,7 +9,10 @@
  * The work of the stresses is W(u) = sum_f A d/dim tau:D'(u), and the force on a cell is -dW/du. So the operator that
  * friction is solved with is symmetric, and it only takes energy. D' is exact for linear velocities, and a uniform
  * stress makes no force inside, as sum A d_K = dim V and sum A n r = V. A cell of the lesser share s counts less: G of
- * the other cell stands for the rest. */
+ * the other cell stands for the rest.
+ *
+ * Of a body of revolution gradients are those of the plane, A in W has the weight r, and the hoop component of the rate
+ * of strain is u_r/r on the face. */
 #include "libcore/acoustics/bed_friction_private.h"
 
 /* A cell whose neighbours do not tell its gradient counts TOLD times as much as others. */
@@ -34,7 +37,8 @@ static struct parts parts_of(const struct bed *b, const struct face_view *v) {
         const double sign = side ? -1 : 1;
         out.w[side] = a[side] * own + (1 - a[!side]) * others;
         for (int k = 0; k < b->dim; k++)
-            out.c[side][k] = sign * (a[side] * h->arm[side][k][v->shape] - (1 - a[!side]) * h->arm[!side][k][v->shape]);
+            out.c[side][k] = sign * (a[side] * bed_middle(b, side)[k][v->shape] -
+                                     (1 - a[!side]) * bed_middle(b, !side)[k][v->shape]);
     }
     return out;
 }
@@ -87,7 +91,7 @@ static void find_value(const struct bed *b, int f, double *const *V, double u[MA
         const double w = weight_on(b, &s, i);
         for (int m = 0; m < b->components && w > 0 && r->share[i] > 0; m++) {
             double at = V[m][i];
-            for (int k = 0; k < b->dim; k++) at += b->set.shapes->arm[right][k][s.shape] * r->gradient[k][m][i];
+            for (int k = 0; k < b->dim; k++) at += bed_middle(b, right)[k][s.shape] * r->gradient[k][m][i];
             u[m] += w * at;
         }
     }
@@ -107,12 +111,12 @@ void bed_gauss_gradients(const struct bed *b, double *const *V) {
         for (int m = 0; m < b->components; m++) r->value[m][f] = u[m];
     }
     for (int i = 0; i < b->set.cells; i++) {
-        const double per = 1 / b->set.shapes->volume[b->set.body[i]];
+        const double per = 1 / bed_flat_volume(b, i);
         double G[MAX_DIM][MAX_DIM] = {{0}};
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1] && r->share[i] > 0; j++) {
             const struct bed_side s = bed_side(b, j);
             for (int k = 0; k < b->dim; k++) {
-                const double n = s.sign * per * b->set.shapes->area[s.shape] * b->set.shapes->normal[k][s.shape];
+                const double n = s.sign * per * bed_flat_area(b, s.shape) * b->set.shapes->normal[k][s.shape];
                 for (int m = 0; m < b->components; m++) G[k][m] += n * (r->value[m][s.face] - V[m][i]);
             }
         }
@@ -162,7 +166,7 @@ static double tensor_at(const struct bed *b, int f, int k, int m) {
 static void find_backs(const struct bed *b) {
     const struct bed_friction *r = b->rub;
     for (int i = 0; i < b->set.cells; i++) {
-        const double per = 1 / (b->dim * b->set.shapes->volume[b->set.body[i]]);
+        const double per = 1 / (b->dim * bed_flat_volume(b, i));
         double B[MAX_DIM][MAX_DIM] = {{0}};
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1] && r->share[i] > 0; j++) {
             const struct bed_side s = bed_side(b, j);
@@ -192,9 +196,12 @@ static void find_forces(const struct bed *b) {
             if (i < 0 || !(r->share[i] > 0)) continue;
             for (int k = 0; k < b->dim; k++)
                 for (int m = 0; m < b->components; m++)
-                    y[m] += (right ? -1 : 1) * b->set.shapes->area[shape] * b->set.shapes->normal[k][shape] *
+                    y[m] += (right ? -1 : 1) * bed_flat_area(b, shape) * b->set.shapes->normal[k][shape] *
                             r->gradient[k][m][i];
         }
+        if (r->hoop && r->part[f] > 0)
+            y[b->set.shapes->round->radial] -=
+                bed_view(b, f, b->dim).depth / b->dim * bed_flat_area(b, shape) * r->hoop[f];
         for (int m = 0; m < b->components; m++) r->value[m][f] = y[m];
     }
 }
@@ -211,7 +218,7 @@ static void find_slants(const struct bed *b) {
             for (int m = 0; m < b->components; m++) y[m] = w * r->value[m][s.face];
             if (b->set.kind[s.face] == BED_WALL) bed_flatten(b, s.face, y);
             for (int k = 0; k < b->dim; k++)
-                for (int m = 0; m < b->components; m++) P[k][m] += b->set.shapes->arm[s.right][k][s.shape] * y[m];
+                for (int m = 0; m < b->components; m++) P[k][m] += bed_middle(b, s.right)[k][s.shape] * y[m];
         }
         for (int k = 0; k < b->dim; k++)
             for (int m = 0; m < b->components; m++) r->gradient[k][m][i] = P[k][m];

@@ -32,6 +32,7 @@ struct bed_deal {
     double *message_out, *message_in;  /* of a step */
     int *ghost;                        /* [ghosts] numbers of the ghosts of b->set over all ranks */
     struct bed_shapes shapes;          /* of b->set, unless cells are boxes: a shape for each cell and each face */
+    struct bed_round round;            /* what `shapes` has of bodies of revolution */
     struct arrays arrays;
 };
 
@@ -93,7 +94,7 @@ static status make_room(struct bed *b, long sides) {
     TRY(ARRAYS_GROW(&d->arrays, d->lists_out, cells + 5 * sides));
     d->number = d->size + blocks;
     d->rank = d->number + blocks;
-    return b->home->shapes->boxes ? OK : ARRAYS_GROW(&d->arrays, d->geometry, cells + (3 + 3 * b->dim) * sides);
+    return b->home->shapes->boxes ? OK : ARRAYS_GROW(&d->arrays, d->geometry, 2 * cells + (4 + 5 * b->dim) * sides);
 }
 
 status bed_deal_blocks(struct bed *b, int sides) {
@@ -182,7 +183,8 @@ static void send(const struct bed *b, const double *out, const struct per *per, 
  * geometry is sent where cells are no boxes. */
 static const struct per of_lists = {{[CELLS] = 1, [ENTRIES] = 1, [FACES] = 4}};
 static struct per of_geometry(const struct bed *b) {
-    return (struct per){{[CELLS] = 1, [FACES] = 3 + 3 * b->dim}};
+    const bool round = b->home->shapes->round != NULL;
+    return (struct per){{[CELLS] = 1 + round, [FACES] = 3 + 3 * b->dim + (round ? 1 + 2 * b->dim : 0)}};
 }
 
 /* Returns how many numbers go out, or come in. */
@@ -192,15 +194,18 @@ static long sum_all(const struct bed *b, const struct per *per, int (*n)[COUNTS]
     return sum;
 }
 
-/* Calls the lines of the geometry of a face one after the other: 3 + 3 dim. */
-static int face_lines(struct bed_shapes *s, int dim, double **line[3 + 3 * MAX_DIM]) {
+enum { MOST_LINES = 4 + 5 * MAX_DIM }; /* of a face */
+/* Calls the lines of the geometry of a face one after the other; round: those that `s` has besides, or NULL. */
+static int face_lines(struct bed_shapes *s, struct bed_round *round, int dim, double **line[MOST_LINES]) {
     int n = 0;
     line[n++] = &s->area;
     for (int side = 0; side < 2; side++) line[n++] = &s->depth[side];
     for (int k = 0; k < dim; k++) {
         line[n++] = &s->normal[k];
         for (int side = 0; side < 2; side++) line[n++] = &s->arm[side][k];
+        for (int side = 0; side < 2 && round; side++) line[n++] = &round->mid[side][k];
     }
+    if (round) line[n++] = &round->flat;
     return n;
 }
 
@@ -208,12 +213,15 @@ static int face_lines(struct bed_shapes *s, int dim, double **line[3 + 3 * MAX_D
  * NULL. */
 static void move_geometry(const struct bed *b, const struct bed_set *s, const int *face, double *at, bool out) {
     struct bed_shapes shapes = *s->shapes;
-    double **line[3 + 3 * MAX_DIM];
-    const int lines = face_lines(&shapes, b->dim, line);
+    struct bed_round round = shapes.round ? *shapes.round : (struct bed_round){0};
+    double **line[MOST_LINES];
+    const int lines = face_lines(&shapes, shapes.round ? &round : NULL, b->dim, line);
     int(*const n)[COUNTS] = face ? b->deal->out : b->deal->in;
     for (int r = 0, cell = 0, i = 0; r < b->deal->ranks; r++) {
-        for (const int end = cell + n[r][CELLS]; cell < end; cell++)
+        for (const int end = cell + n[r][CELLS]; cell < end; cell++) {
             at = move(shapes.volume + s->body[cell], 1, at, out);
+            if (shapes.round) at = move(round.radius + s->body[cell], 1, at, out);
+        }
         for (const int end = i + n[r][FACES]; i < end; i++)
             for (int k = 0; k < lines; k++) at = move(*line[k] + s->shape[face ? face[i] : i], 1, at, out);
     }
@@ -255,13 +263,19 @@ static status make_geometry(struct bed *b) {
     struct bed_deal *d = b->deal;
     struct bed_set *s = &b->set;
     const long cells = (long)s->cells + s->ghosts;
-    double **line[3 + 3 * MAX_DIM];
-    const int lines = face_lines(&d->shapes, b->dim, line);
+    const struct bed_round *round = b->home->shapes->round;
+    double **line[MOST_LINES];
+    const int lines = face_lines(&d->shapes, round ? &d->round : NULL, b->dim, line);
     s->shapes = b->home->shapes;
     if (s->shapes->boxes) return OK;
     s->shapes = &d->shapes;
-    TRY(ARRAYS_GROW(&d->arrays, d->shapes.volume, cells + (long)lines * s->faces));
-    for (int i = 0; i < lines; i++) *line[i] = d->shapes.volume + cells + (long)i * s->faces;
+    TRY(ARRAYS_GROW(&d->arrays, d->shapes.volume, (round ? 2 : 1) * cells + (long)lines * s->faces));
+    double *const of_faces = d->shapes.volume + (round ? 2 : 1) * cells;
+    for (int i = 0; i < lines; i++) *line[i] = of_faces + (long)i * s->faces;
+    if (!round) return OK;
+    d->round.radial = round->radial;
+    d->round.radius = d->shapes.volume + cells;
+    d->shapes.round = &d->round;
     return OK;
 }
 
@@ -301,6 +315,7 @@ static void read_lists(struct bed *b) {
     }
     s->face_start[cell] = entry;
     for (int i = 0; i < s->cells + s->ghosts; i++) s->body[i] = s->shapes->boxes ? 0 : i;
+    if (s->shapes->boxes && s->shapes->round) bed_find_bodies(s);
 }
 
 static void read_blocks(struct bed *b) {
@@ -368,6 +383,7 @@ status bed_deal_lists(struct bed *b) {
     send(b, d->geometry, &shapes, false);
     move_geometry(b, &b->set, NULL, d->message_in, false);
     bed_fill(b, 1, &d->shapes.volume);
+    if (d->shapes.round) bed_fill(b, 1, &d->round.radius);
     return OK;
 }
 

@@ -12,7 +12,9 @@
  * which is stable for -1/3 <= E <= 1 alone.
  *
  * On a face D comes from the difference between its cells and, along the face, from the gradients of both. On boxes
- * cells gain what the faces' tractions give, on other meshes by the adjoint of D (bed_adjoint.c): momentum is kept. The
+ * cells gain what the faces' tractions give, on other meshes by the adjoint of D (bed_adjoint.c): momentum is kept. In
+ * bodies of revolution D has u_r/r around the axis, and the stress there, which is minus the sum of the others on the
+ * diagonal, pulls along the radius by -tau/r, by the adjoint of u_r/r. The
  * faces' own velocities U, which carry the gas, gain
  *     push = mean of the cells' gains by friction + held (mean of the cells' gains by F - the face's own gain by F),
  * held: 1 where nothing yields; the second term is bounded by what Y bears on the face. So a face between cells at rest
@@ -61,7 +63,7 @@ static status make_room(const struct bed *b, struct bed_friction *r) {
     const int C = b->components;
     TRY(ARRAYS_GROW(&r->arrays, r->cells, (3 + C * (2 + LINES) + b->dim * C) * cells));
     TRY(ARRAYS_GROW(&r->arrays, r->sides, b->dim * sides));
-    TRY(ARRAYS_GROW(&r->arrays, r->of_faces, (3L + r->tensors + C + LINES * C) * s->faces));
+    TRY(ARRAYS_GROW(&r->arrays, r->of_faces, (4L + r->tensors + C + LINES * (C + 1)) * s->faces));
     TRY(ARRAYS_GROW(&r->arrays, r->face, s->faces));
     double *at = cut(cut(cut(r->cells, cells, &r->share), cells, &r->p), cells, &r->held);
     for (int k = 0; k < C; k++) {
@@ -78,6 +80,9 @@ static status make_room(const struct bed *b, struct bed_friction *r) {
         at = cut(at, s->faces, &r->traction[k]);
         for (int i = 0; i < LINES; i++) at = cut(at, s->faces, &r->through[i][k]);
     }
+    if (!s->shapes->round) return OK;
+    at = cut(at, s->faces, &r->hoop);
+    for (int i = 0; i < LINES; i++) at = cut(at, s->faces, &r->through[i][C]); /* of the hoop stress */
     return OK;
 }
 
@@ -125,6 +130,26 @@ ALWAYS_INLINE void look_at_face(const struct bed *b, const struct face_view *v, 
         for (int m = 0; m < n.components; m++) mean[k][m] = 0;
 }
 
+/* Returns the part that the hoop component of a face has in the volume of one of its cells, over the cell's radius. By
+ * the parts of all its faces a cell has its area in the plane. */
+ALWAYS_INLINE double hoop_share(const struct bed *b, int shape, int right, int cell) {
+    const struct bed_shapes *h = b->set.shapes;
+    return h->area[shape] * h->depth[right][shape] / (b->dim * h->round->radius[b->set.body[cell]]);
+}
+
+/* Returns the hoop component of the rate of strain on a face, u_r/r. On boxes walls that grains slip on have none, as
+ * the traction along the wall is all that they bear. */
+ALWAYS_INLINE double hoop_strain(const struct bed *b, const struct face_view *v, double *const *V) {
+    const struct bed_shapes *h = b->set.shapes;
+    const int k = h->round->radial, cell[2] = {v->left, v->right};
+    double sum = 0;
+    if (!h->boxes) return b->rub->value[k][v->face] * h->round->flat[v->shape] / h->area[v->shape];
+    if (b->set.kind[v->face] == BED_WALL && !bed_is_rough(b, v->face)) return 0;
+    for (int side = 0; side < 2; side++)
+        if (cell[side] >= 0) sum += hoop_share(b, v->shape, side, cell[side]) * V[k][cell[side]];
+    return sum * b->dim / (h->area[v->shape] * v->depth);
+}
+
 /* Computes D' on a face, the numbers [tensors] in rows of the upper half. */
 ALWAYS_INLINE void strain_with(const struct bed *b, const struct face_view *v, double *const *V, struct sizes n,
                                double D[TENSOR]) {
@@ -141,6 +166,7 @@ ALWAYS_INLINE void strain_with(const struct bed *b, const struct face_view *v, d
     for (int m = 0; m < n.components; m++)
         for (int k = 0; k < n.dim; k++) G[k][m] += v->n[k] * jump[m];
     for (int k = 0; k < n.dim; k++) trace += G[k][k];
+    if (b->set.shapes->round) trace += hoop_strain(b, v, V);
     for (int i = 0, at = 0; i < n.components; i++)
         for (int j = i; j < n.components; j++, at++)
             D[at] = i == j ? G[i][i] - trace / axes : 0.5 * (G[i][j] + G[j][i]);
@@ -205,7 +231,8 @@ static void find_drive(const struct bed *b, double dt, const double gravity[MAX_
             const double rise = load_at(b, s.face, 1, gravity) - load_at(b, s.face, 0, gravity);
             const double over = s.right ? -q / (l + q) * rise : l / (l + q) * rise; /* p_f - P */
             for (int k = 0; k < b->dim; k++)
-                gain[k] -= s.sign * per * b->set.shapes->area[s.shape] * over * b->set.shapes->normal[k][s.shape];
+                gain[k] -= s.sign * per * b->set.shapes->area[s.shape] * over * b->set.shapes->normal[k][s.shape] *
+                           bed_tilt(b, s.shape, i, k);
         }
         for (int k = 0; k < b->components; k++) r->drive[k][i] = k < b->dim ? gain[k] : dt * gravity[k];
     }
@@ -295,6 +322,8 @@ static void list_faces(const struct bed *b) {
     for (int f = 0; f < b->set.faces; f++) {
         const int l = b->set.left[f], q = b->set.right[f];
         r->part[f] = r->stiff[f] = r->bears[f] = 0;
+        if (r->hoop) r->hoop[f] = 0;
+        for (int i = 0; i < LINES && r->hoop; i++) r->through[i][b->components][f] = 0;
         for (int k = 0; k < b->components; k++) {
             r->traction[k][f] = 0;
             for (int i = 0; i < LINES; i++) r->through[i][k][f] = 0;
@@ -305,6 +334,14 @@ static void list_faces(const struct bed *b) {
         }
         if (bed_rubs_at(b, f) && ((l >= 0 && r->share[l] > 0) || (q >= 0 && r->share[q] > 0))) r->face[r->faces++] = f;
     }
+}
+
+/* Returns what the hoop component adds to a cell's sum of A/d by one of its sides. */
+static double hoop_rate(const struct bed *b, const struct bed_side *s, const struct face_view *v, int i) {
+    const struct bed_shapes *h = b->set.shapes;
+    if (!h->round) return 0;
+    if (h->boxes) return hoop_share(b, s->shape, s->right, i) / h->round->radius[b->set.body[i]];
+    return h->round->flat[s->shape] * h->round->flat[s->shape] / h->area[s->shape] * v->depth / b->dim;
 }
 
 /* Returns the largest rate of a cell times dt. */
@@ -319,6 +356,7 @@ static double find_rate(const struct bed *b, double dt) {
             if (r->stiff[s.face] == 0) continue;
             const struct face_view v = view_of(b, s.face);
             sum += 4. / 3 * b->set.shapes->area[s.shape] * r->stiff[s.face] / v.depth;
+            if (r->hoop) sum += 4. / 3 * r->stiff[s.face] * hoop_rate(b, &s, &v, i);
         }
         most = larger(most, safe * sum * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]));
     }
@@ -338,6 +376,7 @@ ALWAYS_INLINE void tractions_with(const struct bed *b, double *const *V, struct 
         for (int i = 0; i < tensors; i++) D[i] = r->base[i][f] + r->stiff[f] * D[i];
         apply(n, D, v.n, t);
         for (int k = 0; k < n.components; k++) r->traction[k][f] = t[k];
+        if (n.dim == 2 && n.components == 2 && r->hoop) r->hoop[f] = -(D[0] + D[2]);
         for (int i = 0; i < tensors && !b->set.shapes->boxes; i++) r->tensor[i][f] = D[i];
     }
 }
@@ -369,6 +408,9 @@ static void find_through(const struct bed *b, int j, struct combined c) {
         if (wall && !boxes) bed_wall_pull(b, f, t);
         for (int k = 0; k < b->components; k++)
             r->through[now][k][f] = c.last * r->through[last][k][f] + c.older * r->through[older][k][f] + c.now * t[k];
+        if (r->hoop)
+            r->through[now][b->components][f] = c.last * r->through[last][b->components][f] +
+                                                c.older * r->through[older][b->components][f] + c.now * r->hoop[f];
     }
 }
 
@@ -385,6 +427,7 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
             if (r->part[s.face] == 0) continue;
             for (int k = 0; k < b->components; k++)
                 sum[k] += s.sign * b->set.shapes->area[s.shape] * r->traction[k][s.face];
+            if (r->hoop) sum[b->set.shapes->round->radial] -= hoop_share(b, s.shape, s.right, i) * r->hoop[s.face];
         }
         const double per = c.now * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]);
         for (int k = 0; k < b->components; k++) to[k][i] = c.last * one[k][i] + c.older * two[k][i] + per * sum[k];
@@ -568,7 +611,7 @@ void bed_find_work(const struct bed *b, double *const *end) {
     for (int k = 0; k < b->components; k++)
         for (int i = 0; i < b->set.cells; i++) r->V[k][i] = 0.5 * (b->lines->u[k][i] + end[k][i]);
     bed_find_gradients(b, r->V);
-    memset(r->value[0], 0, (size_t)b->set.faces * sizeof(double));
+    memset(r->tensor[0], 0, (size_t)b->set.faces * sizeof(double));
     for (int e = 0; e < r->faces; e++) {
         const int f = r->face[e];
         const struct face_view v = view_of(b, f);
@@ -581,7 +624,7 @@ void bed_find_work(const struct bed *b, double *const *end) {
                 trace[1] += i == j ? D[at] : 0;
             }
         if (missing > 0) work += trace[0] * trace[1] / missing;
-        r->value[0][f] = b->set.shapes->area[v.shape] * v.depth / b->dim * work;
+        r->tensor[0][f] = b->set.shapes->area[v.shape] * v.depth / b->dim * work;
     }
 }
 
@@ -594,12 +637,17 @@ double bed_warms(const struct bed *b, double dt, int i, double *const *end, doub
         const int other = bed_across(b, &s);
         const double area = b->set.shapes->area[s.shape];
         if (!bed_rubs_at(b, s.face)) continue;
-        if (!b->set.shapes->boxes) sum += (other < 0 ? 1 : 0.5) * b->rub->value[0][s.face];
+        if (!b->set.shapes->boxes) sum += (other < 0 ? 1 : 0.5) * b->rub->tensor[0][s.face];
         for (int k = 0; k < b->components && b->set.shapes->boxes; k++) {
             const double mine = 0.5 * (x->u[k][i] + end[k][i]);
             const double slips =
                 other < 0 ? b->set.wall_speed[k][s.face] - mine : 0.5 * (0.5 * (x->u[k][other] + end[k][other]) - mine);
             sum += s.sign * area * x->traction[k][s.face] * slips;
+        }
+        if (b->set.shapes->boxes && b->rub->hoop) {
+            const int k = b->set.shapes->round->radial;
+            sum += hoop_share(b, s.shape, s.right, i) * b->rub->through[b->rub->last][b->components][s.face] * 0.5 *
+                   (x->u[k][i] + end[k][i]);
         }
     }
     return b->friction.params.heating * larger(dt / b->set.shapes->volume[b->set.body[i]] * sum + more, 0);

@@ -17,6 +17,7 @@ struct bed_friction {
     double *base[TENSOR], *traction[MAX_DIM];        /* [faces] th tau; tau' n in a stage */
     double *through[LINES][MAX_DIM];                 /* [faces] where it is wanted: their traction, as gain */
     double *part, *bears;                            /* [faces] th; Pa, the most that friction can bear there */
+    double *hoop; /* [faces] of bodies of revolution: tau' around the axis in a stage; else NULL */
     /* Meshes other than boxes (bed_adjoint.c), else NULL: [cells + ghosts] the matrices of `fit`, in rows of the
      * upper half; [faces] velocity, then the force on it; tau' in a stage */
     double *inverse[TENSOR], *value[MAX_DIM], *tensor[TENSOR], *mean[LINES][TENSOR]; /* mean: of the stages, for heat */
@@ -51,6 +52,22 @@ struct sizes { /* solved axes, components of the velocity: constants in the loop
         function(b, V, (struct sizes){3, 3});                                                                          \
     }
 
+/* What bodies of revolution have in their plane, others as they are: the area of a face, the volume of a cell, and from
+ * the centre of the cell on the left or right of a face to its middle. */
+ALWAYS_INLINE double bed_flat_area(const struct bed *b, int shape) {
+    const struct bed_round *round = b->set.shapes->round;
+    return round ? round->flat[shape] : b->set.shapes->area[shape];
+}
+ALWAYS_INLINE double bed_flat_volume(const struct bed *b, int cell) {
+    const struct bed_round *round = b->set.shapes->round;
+    const double volume = b->set.shapes->volume[b->set.body[cell]];
+    return round ? volume / round->radius[b->set.body[cell]] : volume;
+}
+ALWAYS_INLINE double *const *bed_middle(const struct bed *b, int right) {
+    const struct bed_round *round = b->set.shapes->round;
+    return round ? round->mid[right] : b->set.shapes->arm[right];
+}
+
 struct face_view { /* a face with friction */
     int face, left, right, shape;
     double n[MAX_DIM], to[MAX_DIM], depth; /* normal; between the centres, or from the centre to the wall */
@@ -60,11 +77,11 @@ ALWAYS_INLINE struct face_view bed_view(const struct bed *b, int f, const int di
     const int shape = b->set.shape[f];
     struct face_view v = {.face = f, .left = b->set.left[f], .right = b->set.right[f], .shape = shape};
     const bool inner = b->set.kind[f] == BED_INNER, right = v.left < 0;
+    double *const *const mid[2] = {bed_middle(b, 0), bed_middle(b, 1)};
     v.depth = inner ? s->depth[0][shape] + s->depth[1][shape] : s->depth[right][shape];
     for (int k = 0; k < dim; k++) {
         v.n[k] = s->normal[k][shape];
-        v.to[k] =
-            inner ? s->arm[0][k][shape] - s->arm[1][k][shape] : (right ? -s->arm[1][k][shape] : s->arm[0][k][shape]);
+        v.to[k] = inner ? mid[0][k][shape] - mid[1][k][shape] : (right ? -mid[1][k][shape] : mid[0][k][shape]);
     }
     return v;
 }

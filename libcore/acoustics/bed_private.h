@@ -66,6 +66,21 @@ ALWAYS_INLINE double bed_normal_speed(const struct bed *b, double *const *u, int
     return sum;
 }
 
+/* Returns the area with which a face pushes a cell along an axis, over its area: along the radius of a body of
+ * revolution that in the plane, at the radius of the cell. */
+ALWAYS_INLINE double bed_tilt(const struct bed *b, int shape, int cell, int axis) {
+    const struct bed_shapes *h = b->set.shapes;
+    if (!h->round || axis != h->round->radial) return 1;
+    return h->round->radius[b->set.body[cell]] * h->round->flat[shape] / h->area[shape];
+}
+/* Returns u.n of a cell at a face, by these areas: with it the pressure on the face works on the cell. */
+ALWAYS_INLINE double bed_pushed_speed(const struct bed *b, double *const *u, int cell, int shape) {
+    double *const *normal = b->set.shapes->normal, sum = 0;
+    for (int k = 0; k < b->dim; k++)
+        if (normal[k][shape] != 0) sum += normal[k][shape] * u[k][cell] * bed_tilt(b, shape, cell, k);
+    return sum;
+}
+
 /* Returns the difference between a variable's value at a face and in the cell, by the cell's slopes. */
 ALWAYS_INLINE double bed_reach(const struct bed *b, const struct bed_side *s, int cell, int variable) {
     double *const *arm = b->set.shapes->arm[s->right], sum = 0;
@@ -95,6 +110,8 @@ status bed_halo_link(struct bed *b, const int *first, const int *number);
 /* Make room in a set for that number of blocks; for its cells and ghosts, faces and entries of face_of_cell. */
 status bed_set_blocks(struct bed_set *s, int blocks);
 status bed_set_size(const struct bed *b, struct bed_set *s, int faces, int sides);
+/* Sets `body` of boxes of a body of revolution, by the shapes of their faces. */
+void bed_find_bodies(struct bed_set *s);
 /* Readies the set for a step: lists, states and primitive variables. Collective. */
 status bed_ready(struct bed *b);
 /* Finds what bed_warms needs on meshes other than boxes: the work of the faces' stresses on the mean of the velocities

@@ -18,13 +18,12 @@ static void lead_to_wall(const struct bed *b, const struct bed_side *s, double t
 }
 
 double bed_fit_weight(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
-    const struct bed_shapes *h = b->set.shapes;
+    double *const *const mid[2] = {bed_middle(b, 0), bed_middle(b, 1)};
     double square = 0, weight = 1;
     const bool wall = b->set.kind[s->face] == BED_WALL;
     if (!wall && b->set.kind[s->face] != BED_INNER) return 0;
     if (!wall) weight = b->rub->share[across];
-    for (int k = 0; k < b->dim; k++)
-        to[k] = h->arm[s->right][k][s->shape] - (wall ? 0 : h->arm[!s->right][k][s->shape]);
+    for (int k = 0; k < b->dim; k++) to[k] = mid[s->right][k][s->shape] - (wall ? 0 : mid[!s->right][k][s->shape]);
     if (wall && bed_grip(b, s->face) < 1) lead_to_wall(b, s, to);
     for (int k = 0; k < b->dim; k++) square += to[k] * to[k];
     return weight / square;

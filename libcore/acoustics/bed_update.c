@@ -106,7 +106,8 @@ static void find_face_pressures(struct bed *b, double dt, const double gravity[M
 }
 
 /* Finds density and velocity of a cell after acoustics, by the forces p_f - P on its faces. As sum_f A n = 0 and sum_f
- * A n (x_f - x) = V, these add up to the forces of p_f and gravity, and at rest each of them is exactly 0. */
+ * A n (x_f - x) = V, these add up to the forces of p_f and gravity, and at rest each of them is exactly 0. Along the
+ * radius of a body of revolution they have areas in the plane, in which sum_f A n = 0, too. */
 static void move_cell(const struct bed *b, double dt, const double gravity[MAX_DIM], int i) {
     const struct bed_lines *x = b->lines;
     const double per = dt / b->set.shapes->volume[b->set.body[i]], rho = x->rho[i];
@@ -117,7 +118,8 @@ static void move_cell(const struct bed *b, double dt, const double gravity[MAX_D
                      push = swept * (x->p_face[s.face] - x->P[s.right][s.face]);
         growth += swept * x->U[s.face];
         for (int k = 0; k < b->dim; k++)
-            if (b->set.shapes->normal[k][s.shape] != 0) force[k] += push * b->set.shapes->normal[k][s.shape];
+            if (b->set.shapes->normal[k][s.shape] != 0)
+                force[k] += push * b->set.shapes->normal[k][s.shape] * bed_tilt(b, s.shape, i, k);
     }
     x->growth[i] = growth;
     x->after[0][i] = rho / (1 + growth);
@@ -142,7 +144,7 @@ static double carried(const struct bed *b, const struct bed_side *s, int cell, d
 static double heat_of_side(const struct bed *b, const struct bed_side *s, int cell, double dt) {
     const struct bed_lines *x = b->lines;
     const double mean =
-        0.5 * (bed_normal_speed(b, x->u, cell, s->shape) + bed_normal_speed(b, x->after + 1, cell, s->shape));
+        0.5 * (bed_pushed_speed(b, x->u, cell, s->shape) + bed_pushed_speed(b, x->after + 1, cell, s->shape));
     const double over = x->p_face[s->face] - x->P[s->right][s->face] - carried(b, s, cell, dt);
     return -s->sign * over * (x->U[s->face] - mean);
 }
@@ -245,7 +247,7 @@ static double rubbed_on_faces(const struct bed *b, double dt, int i) {
     for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
         const double mean =
-            0.5 * (bed_normal_speed(b, x->u, i, s.shape) + bed_normal_speed(b, x->after + 1, i, s.shape));
+            0.5 * (bed_pushed_speed(b, x->u, i, s.shape) + bed_pushed_speed(b, x->after + 1, i, s.shape));
         sum += s.sign * b->set.shapes->area[s.shape] * carried(b, &s, i, dt) * (x->U[s.face] - mean);
     }
     return dt * sum / b->set.shapes->volume[b->set.body[i]];

@@ -96,6 +96,7 @@ KERNEL static double bed_largest(int n, const double *restrict rho) {
  * their cells (lying_share of bed.h). */
 static void find_lying(const struct gas *g, const struct row *row) {
     const double *U = g->U.block[row->block] + row->at, *volume = g->blocks.volume;
+    const struct polyhedra_round *round = volume ? &g->blocks.grid->polyhedra->round : NULL;
     double *part = g->dense->part[row->block] + row->at, square = 0, h = 0;
     for (int k = 0; k < g->dim; k++) {
         const double pulls = g->models.source.gravity[k] * g->models.source.gravity[k];
@@ -106,7 +107,8 @@ static void find_lying(const struct gas *g, const struct row *row) {
         const double rho = U[i];
         double eps = U[energy_at(g) * g->size + i] / rho;
         for (int k = g->components; k >= 1; k--) eps -= 0.5 * (U[k * g->size + i] / rho) * (U[k * g->size + i] / rho);
-        const double fall = volume ? sqrt(square) * pow(volume[row->at + i], 1. / g->dim) : sqrt(h);
+        const double flat = volume ? volume[row->at + i] / (round->radial >= 0 ? round->radius[row->at + i] : 1) : 1;
+        const double fall = volume ? sqrt(square) * pow(flat, 1. / g->dim) : sqrt(h);
         const double T = (g->models.material.disks ? 1 : 2. / 3) * eps;
         if (part[i] > 0 || !(lying_share(T, fall, rho / g->limits.most) > 0)) continue;
         part[i] = BED_DENSE;

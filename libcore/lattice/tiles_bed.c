@@ -10,26 +10,65 @@
 struct tiles_bed {
     /* [ntiles] of [dim][nvar][size]: fluxes of the last stage, by axis and the cell below; NULL: no bed yet */
     double **fluxes;
-    /* The cells are one box, and a face has the shape of its axis. Volumes are 1, and areas 1/width. */
+    /* In the plane the cells are one box, and a face has the shape of its axis. Volumes are 1, and areas 1/width.
+     * Cells of a body of revolution have the shape of their place along the radius, and faces that of axis + dim place,
+     * where the place of a face across the radius is that of the cell above it. All have the weight r. */
     struct bed_shapes shapes;
-    double one, area[MAX_DIM], half[MAX_DIM], to[2][MAX_DIM][MAX_DIM], normal[MAX_DIM][MAX_DIM];
+    struct bed_round round;
+    double *memory;
+    int *body; /* the memory of round.body */
 };
 
-static void make_shapes(const struct gas *g, struct tiles_bed *b) {
+static const double NOTHING = 1e-200; /* m: the radius of a face on the axis, as pressures on it are divided by areas */
+
+/* Returns how many cells a round lattice has along the radius; else 1. */
+static int places_of(const struct gas *g) {
+    const struct forest *f = g->forest;
+    double most = 1;
+    for (int t = 0; t < f->ntiles && f->radial >= 0; t++)
+        most = larger(most, f->tile[t].low[f->radial] + f->tile[t].n[f->radial]);
+    comm_max(g->comm, &most, 1);
+    return (int)most;
+}
+
+static void make_shape(const struct gas *g, struct tiles_bed *b, int place, int k) {
+    const struct forest *f = g->forest;
+    const int shape = k + g->dim * place;
+    const double half = 0.5 * f->width[k];
+    double weight = 1;
+    if (f->radial >= 0) weight = larger(forest_radius(f, place + (k == f->radial ? 0 : 0.5)), NOTHING);
+    b->shapes.area[shape] = weight / f->width[k];
+    b->shapes.depth[0][shape] = half;
+    b->shapes.normal[k][shape] = 1;
+    for (int side = 0; side < 2; side++) b->shapes.arm[side][k][shape] = side ? -half : half;
+    if (f->radial < 0) return;
+    b->round.flat[shape] = 1 / f->width[k];
+    b->round.body[0][shape] = k == f->radial ? place - 1 : place;
+    b->round.body[1][shape] = place;
+}
+
+static status make_shapes(struct gas *g, struct tiles_bed *b) {
+    const struct forest *f = g->forest;
+    const int places = places_of(g), all = f->radial >= 0 ? places + 1 : 1;
+    const long faces = (long)g->dim * all;
     struct bed_shapes *s = &b->shapes;
-    *s = (struct bed_shapes){.boxes = true, .volume = &b->one, .area = b->area, .depth = {b->half, b->half}};
-    b->one = 1;
-    for (int k = 0; k < g->dim; k++) {
-        s->normal[k] = b->normal[k];
-        b->normal[k][k] = 1;
-        b->area[k] = 1 / g->forest->width[k];
-        b->half[k] = 0.5 * g->forest->width[k];
-        for (int side = 0; side < 2; side++) {
-            s->arm[side][k] = b->to[side][k];
-            b->to[side][k][k] = side ? -b->half[k] : b->half[k];
-        }
+    TRY(comm_agree(g->comm, allocate(&b->memory, all + (3 + 3 * g->dim) * faces, sizeof(double), "the bed")));
+    TRY(comm_agree(g->comm, allocate(&b->body, 2 * faces, sizeof(int), "the bed")));
+    double *at = b->memory + all;
+    *s = (struct bed_shapes){.boxes = true, .volume = b->memory, .area = at, .depth = {at + faces, at + faces}};
+    b->round = (struct bed_round){f->radial, b->memory, at + 2 * faces, .body = {b->body, b->body + faces}};
+    at += 3 * faces;
+    for (int k = 0; k < g->dim; k++, at += 3 * faces) {
+        s->normal[k] = at;
+        for (int side = 0; side < 2; side++) s->arm[side][k] = b->round.mid[side][k] = at + (1 + side) * faces;
+    }
+    if (f->radial >= 0) s->round = &b->round;
+    for (int i = 0; i < all; i++) {
+        s->volume[i] = f->radial >= 0 ? forest_radius(f, i + 0.5) : 1;
+        for (int k = 0; k < g->dim; k++) make_shape(g, b, i, k);
     }
     g->dense->bed.home->shapes = s;
+    return OK;
 }
 
 /* A block of the bed, which ranks are dealt, is this number of rows of a tile along the last axis. */
@@ -51,7 +90,7 @@ status tiles_bed_make(struct gas *g) {
     TRY(bed_make(&g->dense->bed, blocks));
     TRY(allocate(&b, 1, sizeof *b, "the bed"));
     g->tiles->bed = b;
-    make_shapes(g, b);
+    TRY(make_shapes(g, b));
     g->dense->sides = 2 * g->dim;
     return allocate(&b->fluxes, f->ntiles, sizeof(double *), "tiles");
 }
@@ -60,6 +99,8 @@ void tiles_bed_free(struct gas *g) {
     struct tiles_bed *b = g->tiles ? g->tiles->bed : NULL;
     if (!b) return;
     blocks_free(g->forest, b->fluxes);
+    free(b->memory);
+    free(b->body);
     free(b);
 }
 
@@ -213,6 +254,13 @@ static int side_entry(const struct gas *g, int cell, int axis, bool above) {
     return 2 * (g->dim * cell + axis) + above;
 }
 
+/* Returns the shape of a face of the cell at `at` of a tile. */
+static int face_shape(const struct gas *g, int tile, long at, int axis, bool above) {
+    const int radial = g->forest->radial;
+    if (radial < 0) return axis;
+    return axis + g->dim * (forest_place_along(g->forest, tile, at, radial) + (axis == radial && above));
+}
+
 /* Adds the face between cell i of the bed, at `at` of a tile, and what has the number `other`. */
 static void add_face(struct gas *g, int tile, long at, int i, int axis, bool above, int other) {
     struct dense *d = g->dense;
@@ -222,7 +270,7 @@ static void add_face(struct gas *g, int tile, long at, int i, int axis, bool abo
     bed->right[f] = above ? other : bed->low + i;
     const struct patch_face beyond = patch_beyond(g, tile, at, axis, above);
     bed->kind[f] = (unsigned char)(other >= 0 ? BED_INNER : dense_kind(g, beyond.patch));
-    bed->shape[f] = axis;
+    bed->shape[f] = face_shape(g, tile, at, axis, above);
     bed->face_of_cell[side_entry(g, i, axis, above)] = above ? f : ~f;
     if (other >= bed->low && other < bed->low + bed->cells)
         bed->face_of_cell[side_entry(g, other - bed->low, axis, false)] = ~f;
@@ -247,6 +295,15 @@ static void list_faces(struct gas *g) {
         }
 }
 
+/* Sets the shapes of this rank's cells, which on several ranks stand behind cells of others. */
+static void find_bodies(struct gas *g) {
+    const struct dense *d = g->dense;
+    for (int r = 0, i = 0; r < d->rows; r++)
+        for (int j = 0; j < d->row[r].n; j++)
+            d->bed.home->body[i++] =
+                forest_place_along(g->forest, d->row[r].block, d->row[r].at + j, g->forest->radial);
+}
+
 static status make_fluxes(struct gas *g) {
     const long doubles = (long)g->dim * g->nvar * g->forest->size + SLACK;
     for (int t = 0; t < g->forest->ntiles; t++)
@@ -265,6 +322,7 @@ status tiles_bed_list(struct gas *g) {
     list_faces(g);
     for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * g->dim * i;
     memset(bed->body, 0, (size_t)bed->cells * sizeof *bed->body);
+    if (bed->shapes->round) find_bodies(g);
     return OK;
 }
 
@@ -287,7 +345,7 @@ void tiles_bed_keep(struct gas *g, double weight) {
         const struct dense_border *b = &g->dense->border[i];
         const int f = b->face;
         if (bed->kind[f] != BED_KEPT) continue;
-        const long line = (long)bed->shape[f] * g->nvar, below = bed->left[f] < 0 ? b->beyond : b->inside;
+        const long line = (long)(bed->shape[f] % g->dim) * g->nvar, below = bed->left[f] < 0 ? b->beyond : b->inside;
         const double *from = g->tiles->bed->fluxes[b->block] + line * g->forest->size + below;
         for (int v = 0; v < g->nvar; v++) bed->kept[v][f] += weight * from[v * g->forest->size];
     }
@@ -305,7 +363,7 @@ void tiles_tally_bed(struct gas *g, double dt) {
         const struct dense_border *b = &g->dense->border[i];
         const bool high = bed->left[b->face] >= 0;
         if (bed->kind[b->face] == BED_KEPT) continue;
-        const int to = tiles_tally_place(g, b->block, 2 * bed->shape[b->face] + high, b->inside);
+        const int to = tiles_tally_place(g, b->block, 2 * (bed->shape[b->face] % g->dim) + high, b->inside);
         for (int v = 0; v < g->nvar; v++) {
             const double flux = bed->kept[v][b->face];
             const double left = high ? dt * flux : -dt * flux,

@@ -11,8 +11,9 @@ static const double SKEWEST = 0.05;
 
 struct cells_bed {
     struct bed_shapes shapes; /* of the mesh: each face and each cell has a shape of its own */
-    double *memory;           /* of the arms and depths */
-    int *face;                /* [faces] the bed's face; -1: none */
+    struct bed_round round;
+    double *memory, *flat; /* of the arms and depths; of what `round` has of faces */
+    int *face;             /* [faces] the bed's face; -1: none */
 };
 
 /* A mirror's centre is the cell's, reflected in the plane of the face. */
@@ -33,6 +34,36 @@ static void measure_face(const struct polyhedra *m, struct bed_shapes *s, int f)
     }
 }
 
+/* A face's points are weighted by the radius: its middle lies h^2/(12 r) below its centre, with h its extent along the
+ * radius, and likewise along the axis. The radius is at least h/2; faces on the axis have no h. */
+static void measure_round(const struct polyhedra *m, struct cells_bed *b, int f) {
+    const double L = m->face.area[f] / m->round.reach[f];
+    const double *n[2] = {m->face.normal[0], m->face.normal[1]};
+    const int radial = m->round.radial, axial = 1 - radial;
+    b->round.flat[f] = L;
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k < m->dim; k++) b->round.mid[side][k][f] = b->shapes.arm[side][k][f];
+    if (m->dim < 2) return;
+    const double per = L * L / (12 * larger(m->round.reach[f], 0.5 * L * fabs(n[axial][f])));
+    for (int side = 0; side < 2; side++) {
+        b->round.mid[side][radial][f] -= per * n[axial][f] * n[axial][f];
+        b->round.mid[side][axial][f] += per * n[axial][f] * n[radial][f];
+    }
+}
+
+static status make_round(struct gas *g, struct cells_bed *b) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const long faces = m->face.n;
+    if (m->round.radial < 0) return OK;
+    TRY(allocate(&b->flat, (1 + 2 * g->dim) * faces, sizeof(double), "the bed"));
+    b->round = (struct bed_round){.radial = m->round.radial, .radius = m->round.radius, .flat = b->flat};
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k < g->dim; k++) b->round.mid[side][k] = b->flat + (1 + side * g->dim + k) * faces;
+    for (int f = 0; f < m->face.n; f++) measure_round(m, b, f);
+    b->shapes.round = &b->round;
+    return OK;
+}
+
 static status make_shapes(struct gas *g, struct cells_bed *b) {
     const struct polyhedra *m = g->cells->polyhedra;
     const long faces = m->face.n;
@@ -46,7 +77,7 @@ static status make_shapes(struct gas *g, struct cells_bed *b) {
     }
     for (int f = 0; f < m->face.n; f++) measure_face(m, s, f);
     g->dense->bed.home->shapes = s;
-    return OK;
+    return make_round(g, b);
 }
 
 status cells_bed_make(struct gas *g) {
@@ -68,6 +99,7 @@ void cells_bed_free(struct gas *g) {
     struct cells_bed *b = g->cells ? g->cells->bed : NULL;
     if (!b) return;
     free(b->memory);
+    free(b->flat);
     free(b->face);
     free(b);
 }

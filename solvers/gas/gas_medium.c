@@ -80,6 +80,7 @@ static status read_initial(struct setup *s, struct gas_state *g, const struct fi
     models_turn(m, s->components, s->axis);
     for (int k = s->dim; k < s->components && s->mesh->round.on; k++)
         if (s->axis[k] != s->mesh->round.axial) m->gas.swirl = k;
+    if (m->gas.swirl) TRY(models_swirl(s, m));
     if (m->gas.material.disks && s->components == 3)
         return dict_fail(
             m->properties, "equationOfState",
@@ -201,8 +202,9 @@ static void gas_describe(const struct medium *m, FILE *f) {
     describe_patches(f, s->mesh, of(m)->initial);
     const struct revolution *r = &s->mesh->round;
     if (r->on)
-        fprintf(f, "    %-22s along %c at %c = %g: sums and forces are those of a full turn; acoustics are explicit\n",
-                "axis", "xyz"[r->axial], "xyz"[r->radial], r -> at);
+        fprintf(f, "    %-22s along %c at %c = %g: sums and forces are those of a full turn%s\n", "axis",
+                "xyz"[r->axial], "xyz"[r->radial], r -> at,
+                of(m) -> models -> gas.swirl ? "; acoustics are explicit beside swirl" : "");
     for (int k = s->dim; k < s->components; k++)
         fprintf(f, "    %-22s along %c, too, an axis without cells\n", "velocity", "xyz"[s->axis[k]]);
     if (of(m)->unknown)

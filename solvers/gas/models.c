@@ -433,10 +433,18 @@ status models_round(const struct setup *s, struct case_models *m) {
     if (m->gas.transport) return round_refuse(s, "transport", "say  transport none;  in constant/granularProperties");
     if (source_needs(&m->gas.source, &m->gas.material) & NEEDS_SHEAR_RATE)
         return round_refuse(s, "a cooling law of the shear rate", "choose another one");
-    if (gas_rubs(&m->gas)) return round_refuse(s, "friction", "say  friction none;  in constant/granularProperties");
+    if (gas_rubs(&m->gas) && s->dim < 2)
+        return round_refuse(s, "friction on radial cells alone", "give the mesh cells along the axis, too");
     if (m->gas.ncarried) return round_refuse(s, "`carried`", "take it out of constant/granularProperties");
+    return OK;
+}
+
+status models_swirl(const struct setup *s, struct case_models *m) {
+    if (gas_rubs(&m->gas))
+        return round_refuse(s, "friction beside swirl, a velocity around the axis,", "take that velocity away");
     if (m->gas.acoustics && m->gas.acoustics->implicit && !m->gas.acoustics->automatic)
-        return round_refuse(s, "acoustics implicit", "say  acoustics { type explicit; }  in system/fvSolution");
+        return round_refuse(s, "acoustics implicit beside swirl, a velocity around the axis,",
+                            "say  acoustics { type explicit; }  in system/fvSolution");
     m->gas.acoustics = model_find(acoustics_table, sizeof *acoustics_table, acoustics_count, "explicit");
     return OK;
 }

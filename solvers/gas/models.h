@@ -39,9 +39,11 @@ status models_read(const char *case_dir, int dim, const int axis[3], struct case
 void models_move(const struct case_models *m, bool along[3]);
 /* Turns the vectors of all sources to the axes of the velocity's components. */
 void models_turn(struct case_models *m, int components, const int axis[3]);
-/* Refuses what is not there in the flow about an axis; acoustics are explicit there. */
+/* Refuse what is not there in the flow about an axis; and what is not there beside swirl, where acoustics are explicit.
+ */
 struct setup;
 status models_round(const struct setup *s, struct case_models *m);
+status models_swirl(const struct setup *s, struct case_models *m);
 void models_free(struct case_models *m);
 
 /* Marks all that constant/granularProperties says of these models as known, for programs that have no use for it. */

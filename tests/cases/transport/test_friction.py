@@ -32,14 +32,18 @@ writeControl adjustableRunTime; writeInterval %g; writeFormat binary; timePrecis
 KEPT = ["frictionPressure"] + ["frictionStress" + side for side in ("XLow", "XHigh", "YLow", "YHigh")]
 
 
-def bed(case, n, alpha, gravity, end, interval=None, floor="yLow", periodic="", friction="type muI;", schemes=""):
-    """Cold spheres in a box of cells of one diameter, whose walls slip but for the floor."""
-    boxes.write_mesh(case, n, tuple(D * k for k in n), {a: "cyclic" for a in periodic})
+def bed(case, n, alpha, gravity, end, interval=None, floor="yLow", periodic="", friction="type muI;", schemes="", axis=None):
+    """Cold spheres in a box of cells of one diameter, whose walls slip but for the floor; axis: x of the axis of a body of revolution."""
+    symmetry = ["xLow"] if axis == 0 else []
+    boxes.write_mesh(case, n, tuple(D * k for k in n), {**{a: "cyclic" for a in periodic}, **{p: "symmetryPlane" for p in symmetry}})
+    if axis is not None:
+        boxes.write_dictionary(case, "system", "meshDict", f"axis {{ origin ({axis} 0 0); direction (0 1 0); }}\n")
     os.makedirs(case + "/0.orig")
     for name, start in (("alpha", f'expression "{alpha}";'), ("T", "internalField uniform 1e-5;"), ("U", "internalField uniform (0 0 0);")):
         wall = "slip" if name == "U" else "zeroGradient"
         rules = "".join(f'"{a}.*" {{ type {"cyclic" if a in periodic else wall}; }}\n' for a in "xy")
         rules += '"(z|front|back).*" { type empty; }\n' + (f"{floor} {{ type noSlip; }}\n" if name == "U" else "")
+        rules += "".join(f"{p} {{ type symmetryPlane; }}\n" for p in symmetry)
         with open(f"{case}/0.orig/{name}", "w") as f:
             f.write(boxes.header("volVectorField" if name == "U" else "volScalarField", name, "0.orig")
                     + f"dimensions {boxes.DIMENSIONS[name]};\n{start}\nboundaryField {{ {rules} }}\n")
