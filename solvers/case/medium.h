@@ -11,7 +11,7 @@
 #include "solvers/case/fields.h"
 #include <stdio.h>
 
-enum { MAX_QUANTITIES = 24, MAX_BUDGET = 64, MAX_COLUMNS = 40 };
+enum { MAX_QUANTITIES = 32, MAX_BUDGET = 64, MAX_COLUMNS = 40 };
 struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
