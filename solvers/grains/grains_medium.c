@@ -65,10 +65,11 @@ static status medium_read(struct setup *s) {
     x->base = (struct medium){.type = &grains_medium, .setup = s};
     s->medium = &x->base;
     if (comm_size(s->comm) > 1)
-        return fail(ERR_INPUT,
-                    "granularMD runs on one rank, not on %d: leave out -np or mpirun; several cases may run "
-                    "side by side",
-                    comm_size(s->comm));
+        return fail(
+            ERR_INPUT,
+            "granularMD runs on one rank, not on %d: leave out -np or mpirun; -ensemble %d runs as many members "
+            "side by side",
+            comm_size(s->comm), comm_size(s->comm));
     TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, false, &x->models));
     x->base.fields = grains_fields_offer(&x->fields, x->models);
     grains_files(s, x->models);
@@ -631,14 +632,16 @@ static void medium_crossings(const struct medium *m, int block, crossing_visitor
 }
 
 static const char help[] =
-    "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-version] "
-    "[-help]\n\n"
+    "granularMD -case DIR [-ensemble N [-np P]] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords "
+    "[NAME]] [-version] [-help]\n\n"
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
     "inelastic impacts, gravity, walls of any shape, inlets, shaking. The case is one of granularGas, with\n"
     "application granularMD;  in system/controlDict: grains are put where alpha says and move as U and T say;\n"
     "fields rho alpha U T p TComponents (T along each axis) are written as means over grains and impacts,\n"
     "the grains themselves as lagrangian/grains.\n"
     "constant/particleProperties, which may be missing, holds what belongs to grains alone.\n\n"
+    "  -ensemble    runs N members with the seeds 1 .. N, P of them at once, in DIR/ensemble; DIR gets the means over\n"
+    "               all members, and their standard errors as alphaError, UError .. (haff ensemble)\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  parameters and function objects\n"
@@ -646,7 +649,7 @@ static const char help[] =
     "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
     "  -debug       the way an error took through the program\n"
     "  -version     version, compiler, licence\n\n"
-    "It runs on one rank (-np 1). Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+    "A run takes one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
 
 const struct medium_type grains_medium = {
     .application = "granularMD",
@@ -657,6 +660,7 @@ const struct medium_type grains_medium = {
     .fields = {grains_quantity, GRAINS_QUANTITIES, grains_written, grains_written},
     .event_driven = true,
     .whole = true,
+    .seeds = true,
     .read = medium_read,
     .state = medium_state,
     .start = medium_start,
