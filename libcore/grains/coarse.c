@@ -8,8 +8,8 @@
 #include <string.h>
 
 /* Sums of a cell, one behind the other: the shares of grains, the impulse * branch * psi of their impacts, and for each
- * axis the mean velocity and the sum of shares times squared deviation from it. The number of samples stands behind the
- * sums of all cells. */
+ * axis the mean velocity and the sum of shares times squared deviation from it. In a mixture the same follows for each
+ * kind; its impacts are not summed. The number of samples stands behind the sums of all cells. */
 enum {
     SHARE,
     IMPACTS,
@@ -38,7 +38,7 @@ struct coarse {
     struct grain_observer observer; /* first */
     struct coarse_grid grid;
     long cells, stride[3]; /* stride: of the axes, in cells */
-    int size, rough;       /* doubles per cell; the place of those of rough grains, or of the size^dim of a mixture */
+    int size, rough;       /* doubles per cell; the place of those of rough grains, or of the kinds of a mixture */
     double per[3];         /* 1/h */
     double *sums;
     double term[TERMS], half; /* coefficients of bell_integrals; the integral from 0 to 3 */
@@ -77,7 +77,7 @@ static status fill(struct coarse *c, const struct coarse_grid *grid) {
     bell_make(c);
     c->grid = *grid;
     c->rough = MEAN + PER_AXIS * grid->dim;
-    c->size = c->rough + (grid->rough ? ROUGH : grid->kinds ? 1 : 0);
+    c->size = c->rough + (grid->rough ? ROUGH : grid->kinds ? grid->kinds->n * c->rough : 0);
     c->cells = 1;
     for (int k = 0; k < grid->dim; k++) {
         if (!(grid->n[k] > 0 && grid->h[k] > 0))
@@ -255,7 +255,7 @@ void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (
         const int m = spread(c, x[i]);
         for (int j = 0; j < m; j++) {
             double *sum = c->sums + c->size * c->shares[j].cell;
-            if (all) sum[c->rough] += c->shares[j].w * pow(all->size[kind], c->grid.dim);
+            if (all) add(sum + (kind + 1) * c->rough, c->grid.dim, c->shares[j].w, u[i]);
             add(sum, c->grid.dim, all ? c->shares[j].w * all->mass[kind] : c->shares[j].w, u[i]);
         }
     }
@@ -345,6 +345,49 @@ static void observe(struct grain_observer *self, const struct grain_impact *i) {
     }
 }
 
+static double cell_volume(const struct coarse *c, long cell) {
+    double box = 1;
+    if (c->grid.mesh) return c->grid.mesh->volume[cell];
+    for (int k = 0; k < c->grid.dim; k++) box *= c->grid.h[k];
+    return box;
+}
+
+static double grain_volume(const struct coarse *c) {
+    const double d = c->grid.diameter;
+    return acos(-1) * (c->grid.dim == 2 ? d * d / 4 : d * d * d / 6);
+}
+
+/* Returns the volume of the grains of one kind in a cell over that of a grain of the law, summed over the samples. */
+static double kind_share(const struct coarse *c, const double *sum, int kind) {
+    return sum[(kind + 1) * c->rough + SHARE] * pow(c->grid.kinds->size[kind], c->grid.dim);
+}
+
+/* Returns the same of all grains. */
+static double volume_share(const struct coarse *c, const double *sum) {
+    double all = 0;
+    if (!c->grid.kinds) return sum[SHARE];
+    for (int k = 0; k < c->grid.kinds->n; k++) all += kind_share(c, sum, k);
+    return all;
+}
+
+static double variance(const double *sum, int dim) {
+    double deviation = 0;
+    for (int k = 0; k < dim; k++) deviation += sum[DEVIATION + PER_AXIS * k];
+    return sum[SHARE] > 0 ? deviation / (dim * sum[SHARE]) : 0;
+}
+
+void coarse_kind(const struct coarse *c, int kind, enum coarse_field f, double *const out[3]) {
+    const int dim = c->grid.dim;
+    const double samples = c->sums[c->cells * c->size], one = grain_volume(c);
+    for (long i = 0; i < c->cells; i++) {
+        const double *all = c->sums + c->size * i, *sum = all + (kind + 1) * c->rough;
+        if (f == COARSE_ALPHA)
+            out[0][i] = samples > 0 ? kind_share(c, all, kind) / (samples * cell_volume(c, i)) * one : 0;
+        if (f == COARSE_T) out[0][i] = variance(sum, dim);
+        for (int k = 0; f == COARSE_U && k < dim; k++) out[k][i] = sum[MEAN + PER_AXIS * k];
+    }
+}
+
 /* Computes the fields of rough grains alone, in a cell. */
 static void rough_value(const struct coarse *c, const double *sum, double per, enum coarse_field f, double value[3]) {
     const double *rough = sum + c->rough, m = c->grid.mass;
@@ -359,17 +402,10 @@ static void rough_value(const struct coarse *c, const double *sum, double per, e
 
 void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]) {
     const struct coarse_grid *g = &c->grid;
-    const double samples = c->sums[c->cells * c->size], d = g->diameter;
-    const double grain_volume = acos(-1) * (g->dim == 2 ? d * d / 4 : d * d * d / 6);
-    double box = 1;
-    for (int k = 0; k < g->dim; k++) box *= g->h[k];
+    const double samples = c->sums[c->cells * c->size], one = grain_volume(c);
     for (long i = 0; i < c->cells; i++) {
-        const double volume = g->mesh ? g->mesh->volume[i] : box;
-        const double *sum = c->sums + c->size * i;
-        const double number = samples > 0 ? sum[SHARE] / (samples * volume) : 0;
-        double deviation = 0;
-        for (int k = 0; k < g->dim; k++) deviation += sum[DEVIATION + PER_AXIS * k];
-        const double T = sum[SHARE] > 0 ? deviation / (g->dim * sum[SHARE]) : 0;
+        const double volume = cell_volume(c, i), *sum = c->sums + c->size * i;
+        const double number = samples > 0 ? sum[SHARE] / (samples * volume) : 0, T = variance(sum, g->dim);
         const double collisional = tau > 0 ? sum[IMPACTS] / (g->dim * tau * volume) : 0;
         if (f > COARSE_T_AXES) {
             double value[3];
@@ -379,8 +415,7 @@ void coarse_value(const struct coarse *c, double tau, enum coarse_field f, doubl
             continue;
         }
         if (f == COARSE_RHO) out[0][i] = number * g->mass;
-        if (f == COARSE_ALPHA)
-            out[0][i] = (g->kinds && samples > 0 ? sum[c->rough] / (samples * volume) : number) * grain_volume;
+        if (f == COARSE_ALPHA) out[0][i] = samples > 0 ? volume_share(c, sum) / (samples * volume) * one : 0;
         if (f == COARSE_T) out[0][i] = T;
         if (f == COARSE_P) out[0][i] = number * g->mass * T + collisional;
         for (int k = 0; f == COARSE_U && k < g->dim; k++) out[k][i] = sum[MEAN + PER_AXIS * k];

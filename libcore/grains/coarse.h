@@ -73,6 +73,8 @@ void coarse_contacts(struct coarse *c, long n, const struct coarse_contact *cont
  * p = p_coll. Of rough grains, with tau the number of samples: the components P_k along the axes and P_xy, P_xz, P_yz
  * of the whole pressure tensor, rho <u' u'> + sum of force branch psi/(V tau), and the mean spin (3 components). */
 void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]);
+/* The same of one kind of a mixture: f is COARSE_ALPHA, COARSE_U or COARSE_T, about the mean velocity of that kind. */
+void coarse_kind(const struct coarse *c, int kind, enum coarse_field f, double *const out[3]);
 /* The sums for restarts: coarse_size doubles at coarse_sums. */
 long coarse_size(const struct coarse *c);
 double *coarse_sums(struct coarse *c);

@@ -32,5 +32,6 @@ from haff.case.foam import FoamFile, FormatError, read_bytes, read_field
 from haff.case.mesh import Mesh
 from haff.runs.compare import Comparison, compare
 from haff.runs.copies import ChangedCase
+from haff.runs.ensemble import ensemble
 from haff.runs.run import RunError, run
 from haff.runs.sweep import sweep

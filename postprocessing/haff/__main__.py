@@ -22,6 +22,7 @@ COMMANDS = {
     "expected": ("haff.runs.expected", "compares a finished case with its expected.json"),
     "run": ("haff.runs.runCase", "runs a case, or a copy of it with other entries"),
     "sweep": ("haff.runs.sweepCase", "runs a case with every combination of values of entries, several at once, and makes a table"),
+    "ensemble": ("haff.runs.ensembleCase", "runs a case of granularMD with several seeds, and writes the means with their standard errors"),
     "contours": ("haff.plot.contours", "contour lines and walls of a lattice in two dimensions"),
     "columns": ("haff.layers.columns", "profiles over the height, of gas and grains, as a table"),
     "faraday": ("haff.layers.faraday", "patterns on shaken layers, of gas and grains"),

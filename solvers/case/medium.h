@@ -11,7 +11,7 @@
 #include "solvers/case/fields.h"
 #include <stdio.h>
 
-enum { MAX_QUANTITIES = 24, MAX_BUDGET = 64, MAX_COLUMNS = 40 };
+enum { MAX_QUANTITIES = 32, MAX_BUDGET = 64, MAX_COLUMNS = 40 };
 struct quantity { /* a field of the medium */
     const char *name;
     int components; /* 1 or 3 */
@@ -75,6 +75,7 @@ struct medium_type {
     int axial;         /* the quantity that is a curl, which has three components whatever moves; 0: there is none */
     bool whole;        /* does it read arrays of all cells and faces of the mesh (setup_complete)? */
     bool starts;       /* does -np N go to a program that it starts? It then runs on one rank itself */
+    bool seeds;        /* does a run depend on a seed, so that several make an ensemble (-ensemble)? */
     bool slabs;        /* are its cells dealt to the ranks by itself, and not as the grid's blocks are? */
     bool round;        /* does it know bodies of revolution (docs/physics.md 1.4)? */
     bool event_driven; /* a step is no sweep over the cells: no Courant number, no steps per second */

@@ -7,6 +7,38 @@
 #include <stdlib.h>
 #include <string.h>
 
+const struct quantity grains_quantity[] = {GRAINS_QUANTITY_ROWS};
+const enum coarse_field grains_coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES};
+const int grains_written[] = {0, 1, 2, 3, 4, 5, -1};
+static const int of_kinds[KIND_QUANTITIES] = {1, 2, 3}; /* alpha U T */
+
+/* Returns the quantity of all grains that one of a kind belongs to; *kind: that kind, -1: all. */
+static int quantity_of_all(int quantity, int *kind) {
+    const int behind = quantity - GRAINS_QUANTITIES;
+    *kind = behind < 0 ? -1 : behind / KIND_QUANTITIES;
+    return behind < 0 ? quantity : of_kinds[behind % KIND_QUANTITIES];
+}
+
+struct offered grains_fields_offer(struct grains_fields *f, const struct grains_models *m) {
+    const int n = GRAINS_QUANTITIES + m->kinds.n * KIND_QUANTITIES;
+    for (int q = 0; q < n; q++) {
+        int kind;
+        f->quantity[q] = grains_quantity[quantity_of_all(q, &kind)];
+        f->written[q] = q;
+        if (kind < 0) continue;
+        char *name = f->name[q - GRAINS_QUANTITIES];
+        snprintf(name, sizeof f->name[0], "%s.%s", f->quantity[q].name, m->kind_name[kind]);
+        f->quantity[q].name = name;
+    }
+    f->written[n] = -1;
+    return (struct offered){f->quantity, n, f->written, f->written};
+}
+
+int grains_components(const struct setup *s, int quantity) {
+    int kind;
+    return grains_quantity[quantity_of_all(quantity, &kind)].components == 3 ? s->dim : 1;
+}
+
 struct averages {
     struct averages_mark mark;
     struct coarse *sum[2];   /* sums of the running window; of the last complete one, or of a moment */
@@ -156,13 +188,18 @@ void averages_take(struct averages *a, const struct grains *g) {
     if (!at_end(a)) sample(a, 0, g);
 }
 
-void averages_value(struct averages *a, const struct grains *g, enum coarse_field f, double *const out[3]) {
+void averages_value(struct averages *a, const struct grains *g, int quantity, double *const out[3]) {
+    int kind;
+    const enum coarse_field f = grains_coarse_of[quantity_of_all(quantity, &kind)];
     if (!a->mark.complete && a->moment != grains_time(g)) {
         coarse_clear(a->sum[1]);
         sample(a, 1, g);
         a->moment = grains_time(g);
     }
-    coarse_value(a->sum[1], a->mark.complete ? a->mark.window : 0, f, out);
+    if (kind >= 0)
+        coarse_kind(a->sum[1], kind, f, out);
+    else
+        coarse_value(a->sum[1], a->mark.complete ? a->mark.window : 0, f, out);
 }
 
 static void sample_soft(struct averages *a, int which, const struct averages_moment *now) {

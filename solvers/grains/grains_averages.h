@@ -6,8 +6,29 @@
 #define SOLVERS_GRAINS_AVERAGES_H
 
 #include "libcore/grains/coarse.h"
+#include "solvers/case/case.h"
 #include "solvers/grains/grains_mesh.h"
 #include "solvers/grains/grains_models.h"
+
+enum { GRAINS_QUANTITIES = 6, KIND_QUANTITIES = 3 };
+#define GRAINS_QUANTITY_ROWS                                                                                           \
+    {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, false}, {"alpha", 1, {0, 0, 0, 0, 0, 0, 0}, false},                             \
+        {"U", 3, {0, 1, -1, 0, 0, 0, 0}, false}, {"T", 1, {0, 2, -2, 0, 0, 0, 0}, false},                              \
+        {"p", 1, {1, -1, -2, 0, 0, 0, 0}, false}, {                                                                    \
+        "TComponents", 3, {0, 2, -2, 0, 0, 0, 0}, false                                                                \
+    }
+extern const struct quantity grains_quantity[];    /* rho alpha U T p TComponents */
+extern const enum coarse_field grains_coarse_of[]; /* of each */
+extern const int grains_written[];                 /* all, ended by -1 */
+struct grains_fields { /* the quantities of a mixture: those of all its grains, then alpha U T of each kind */
+    struct quantity quantity[MAX_QUANTITIES];
+    char name[GRAIN_KINDS * KIND_QUANTITIES][KIND_NAME + 8];
+    int written[MAX_QUANTITIES + 1];
+};
+/* Returns the quantities of the case; f is filled for a mixture, whose names are like alpha.big. */
+struct offered grains_fields_offer(struct grains_fields *f, const struct grains_models *m);
+/* Returns the number of components of a quantity that lie along solved axes. */
+int grains_components(const struct setup *s, int quantity);
 
 struct averages_mark { /* how far the averages are; saved as it is */
     double window;     /* s; 0: the fields are always of the present moment */
@@ -45,8 +66,8 @@ struct grain_observer *averages_observer(struct averages *a);
 /* Returns the time (s) at which averages_take is due next; INFINITY: never. */
 double averages_next(const struct averages *a);
 void averages_take(struct averages *a, const struct grains *g); /* samples the grains, which stand at that time */
-/* Computes a field: out[k][cells], component k of a vector (else k = 0). */
-void averages_value(struct averages *a, const struct grains *g, enum coarse_field f, double *const out[3]);
+/* Computes a quantity: out[k][cells], component k of a vector (else k = 0). */
+void averages_value(struct averages *a, const struct grains *g, int quantity, double *const out[3]);
 
 struct averages_moment { /* soft grains at the time t, with their contacts */
     double t;

@@ -33,16 +33,17 @@ struct grains_run {
     struct grains *grains;
     struct grains_inlets *inlets; /* NULL: no grains come in */
     struct averages *averages;
-    struct grains_forces *forces;                           /* NULL: no one asks for them */
-    struct grain_start placed;                              /* how the grains were placed; its lists are freed */
-    bool kept;                                              /* do the averages go on from the saved state? */
-    bool changed;                                           /* have box or law changed since the saved state? */
-    double energy;                                          /* J: kinetic, potential and lost when counting began */
-    int *place;                                             /* [ncells] index in the lattice of each polyMesh cell */
-    double *value[COARSE_FIELDS][3], valued[COARSE_FIELDS]; /* [cells] values of fields, and the time they are of */
-    double spent;                                           /* s of the clock spent in steps of this run */
-    struct grains_table table;                              /* its start is that of this run */
-    struct grain_counts last;                               /* counts at the last log entry */
+    struct grains_forces *forces; /* NULL: no one asks for them */
+    struct grain_start placed;    /* how the grains were placed; its lists are freed */
+    bool kept;                    /* do the averages go on from the saved state? */
+    bool changed;                 /* have box or law changed since the saved state? */
+    double energy;                /* J: kinetic, potential and lost when counting began */
+    int *place;                   /* [ncells] index in the lattice of each polyMesh cell */
+    struct grains_fields fields;
+    double *value[MAX_QUANTITIES][3], valued[MAX_QUANTITIES]; /* [cells] of fields, and the time they are of */
+    double spent;                                             /* s of the clock spent in steps of this run */
+    struct grains_table table;                                /* its start is that of this run */
+    struct grain_counts last;                                 /* counts at the last log entry */
     double last_spent;
     bool collapsed; /* was the collapse warned of? */
 };
@@ -50,15 +51,7 @@ static struct grains_run *of(const struct medium *m) {
     return (struct grains_run *)(uintptr_t)m;
 }
 
-enum { RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, QUANTITIES };
-const struct quantity grains_quantity[] = {GRAINS_QUANTITY_ROWS};
-const enum coarse_field grains_coarse_of[] = {COARSE_RHO, COARSE_ALPHA, COARSE_U, COARSE_T, COARSE_P, COARSE_T_AXES};
 static const enum field_id file_of[] = {FIELD_RHO, FIELD_ALPHA, FIELD_U, FIELD_T, FIELD_P, FIELD_T};
-const int grains_written[] = {RHO, ALPHA, VELOCITY, TEMPERATURE, PRESSURE, COMPONENTS, -1};
-
-int grains_components(const struct setup *s, int quantity) {
-    return grains_quantity[quantity].components == 3 ? s->dim : 1;
-}
 
 static status medium_check_control(const struct medium *m, const struct control *c) {
     (void)m;
@@ -72,11 +65,13 @@ static status medium_read(struct setup *s) {
     x->base = (struct medium){.type = &grains_medium, .setup = s};
     s->medium = &x->base;
     if (comm_size(s->comm) > 1)
-        return fail(ERR_INPUT,
-                    "granularMD runs on one rank, not on %d: leave out -np or mpirun; several cases may run "
-                    "side by side",
-                    comm_size(s->comm));
+        return fail(
+            ERR_INPUT,
+            "granularMD runs on one rank, not on %d: leave out -np or mpirun; -ensemble %d runs as many members "
+            "side by side",
+            comm_size(s->comm), comm_size(s->comm));
     TRY(grains_models_read(s->dir, s->mesh, s->dim, s->axis, s->control, false, &x->models));
+    x->base.fields = grains_fields_offer(&x->fields, x->models);
     grains_files(s, x->models);
     return OK;
 }
@@ -275,7 +270,7 @@ static status make_values(struct grains_run *x) {
     const long cells = s->mesh->ncells;
     TRY(pool_take(&x->pool, &x->place, cells, sizeof *x->place, "cells"));
     for (int i = 0; i < cells; i++) x->place[x->mesh ? i : s->lattice->cell[i]] = i;
-    for (int f = 0; f < QUANTITIES; f++) {
+    for (int f = 0; f < x->base.fields.noffered; f++) {
         x->valued[f] = NAN;
         for (int k = 0; k < grains_components(s, f); k++)
             TRY(pool_take(&x->pool, &x->value[f][k], cells, sizeof(double), "fields"));
@@ -533,8 +528,7 @@ static status medium_finish(struct medium *m, FILE *f) {
 
 static double *const *values_now(struct grains_run *x, int quantity) {
     const double t = grains_time(x->grains);
-    if (x->valued[quantity] != t)
-        averages_value(x->averages, x->grains, grains_coarse_of[quantity], x->value[quantity]);
+    if (x->valued[quantity] != t) averages_value(x->averages, x->grains, quantity, x->value[quantity]);
     x->valued[quantity] = t;
     return x->value[quantity];
 }
@@ -547,7 +541,7 @@ static void medium_block(const struct medium *m, int block, int quantity, double
 }
 
 const struct patch_field *grains_patch(const struct grains_start *start, int quantity, int patch) {
-    const struct field *f = start->field[file_of[quantity]];
+    const struct field *f = quantity < GRAINS_QUANTITIES ? start->field[file_of[quantity]] : NULL;
     return f && strcmp(f->patch[patch].type, "calculated") != 0 ? &f->patch[patch] : NULL;
 }
 
@@ -565,6 +559,7 @@ static status keep_present(const struct grains_run *x, struct cloud *c) {
         memcpy(c->x[n], c->x[i], sizeof c->x[n]);
         memcpy(c->u[n], c->u[i], sizeof c->u[n]);
         if (c->size) c->size[n] = c->size[i];
+        if (c->species) c->species[n] = c->species[i];
         c->id[n++] = i;
     }
     c->n = n;
@@ -579,9 +574,11 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     TRY(cloud_make(grains_number(x->grains), out));
     out->diameter = x->law.diameter;
     if (x->law.kinds.n) TRY(allocate(&out->size, out->n, sizeof *out->size, "diameters of grains"));
+    if (x->law.kinds.n) TRY(allocate(&out->species, out->n, sizeof *out->species, "kinds of grains"));
     for (int i = 0, k = 0; i < out->n && out->size; i++) {
         while (k < x->law.kinds.n - 1 && i >= x->law.kinds.first[k + 1]) k++;
         out->size[i] = x->law.kinds.size[k];
+        out->species[i] = k;
     }
     grains_at(x->grains, grains_time(x->grains), out->x, out->u);
     TRY(keep_present(x, out));
@@ -635,14 +632,16 @@ static void medium_crossings(const struct medium *m, int block, crossing_visitor
 }
 
 static const char help[] =
-    "granularMD -case DIR [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-version] "
-    "[-help]\n\n"
+    "granularMD -case DIR [-ensemble N [-np P]] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords "
+    "[NAME]] [-version] [-help]\n\n"
     "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
     "inelastic impacts, gravity, walls of any shape, inlets, shaking. The case is one of granularGas, with\n"
     "application granularMD;  in system/controlDict: grains are put where alpha says and move as U and T say;\n"
     "fields rho alpha U T p TComponents (T along each axis) are written as means over grains and impacts,\n"
     "the grains themselves as lagrangian/grains.\n"
     "constant/particleProperties, which may be missing, holds what belongs to grains alone.\n\n"
+    "  -ensemble    runs N members with the seeds 1 .. N, P of them at once, in DIR/ensemble; DIR gets the means over\n"
+    "               all members, and their standard errors as alphaError, UError .. (haff ensemble)\n"
     "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
     "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
     "  -listModels  parameters and function objects\n"
@@ -650,7 +649,7 @@ static const char help[] =
     "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
     "  -debug       the way an error took through the program\n"
     "  -version     version, compiler, licence\n\n"
-    "It runs on one rank (-np 1). Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+    "A run takes one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
 
 const struct medium_type grains_medium = {
     .application = "granularMD",
@@ -658,9 +657,10 @@ const struct medium_type grains_medium = {
     .list_models = grains_models_list,
     .list_boundaries = grains_boundaries_list,
     .keywords = grains_models_keywords,
-    .fields = {grains_quantity, QUANTITIES, grains_written, grains_written},
+    .fields = {grains_quantity, GRAINS_QUANTITIES, grains_written, grains_written},
     .event_driven = true,
     .whole = true,
+    .seeds = true,
     .read = medium_read,
     .state = medium_state,
     .start = medium_start,

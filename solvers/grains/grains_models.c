@@ -131,8 +131,16 @@ static int larger_first(const void *a, const void *b) {
     return x->diameter != y->diameter ? (x->diameter > y->diameter ? -1 : 1) : strcmp(x->name, y->name);
 }
 
+/* Names of kinds are parts of names of fields and files. */
+static status check_kind_name(const struct dict *all, const char *name) {
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
+    if (strspn(name, letters) == strlen(name) && strlen(name) <= KIND_NAME) return OK;
+    return dict_fail(all, name, "a kind of grains has a name of letters, digits and _, %d at most", KIND_NAME);
+}
+
 static status read_kind(struct dict *all, const char *name, const struct material *grain, int dim, struct kind *out) {
     struct dict *d;
+    TRY(check_kind_name(all, name));
     TRY(dict_sub(all, name, &d));
     TRY(params_read(d, kind_param, COUNT(kind_param), out));
     (void)dict_has(d, "with");

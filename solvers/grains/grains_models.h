@@ -10,6 +10,7 @@
 #include "solvers/case/control.h"
 #include "solvers/gas/models.h"
 
+enum { KIND_NAME = 40 }; /* characters of the name of a kind, at most */
 struct grains_models {
     struct dict *granular, *properties; /* properties: NULL without the file */
     struct forces forces;

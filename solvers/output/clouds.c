@@ -12,11 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { POSITIONS, VELOCITY, ID, DIAMETER, SPIN, FILES };
-static const char *const files[FILES] = {"lagrangian/grains/positions", "lagrangian/grains/U", "lagrangian/grains/id",
-                                         "lagrangian/grains/d", "lagrangian/grains/omega"};
-static const char *const classes[FILES] = {"Cloud<passiveParticle>", "vectorField", "labelField", "scalarField",
-                                           "vectorField"};
+enum { POSITIONS, VELOCITY, ID, DIAMETER, SPIN, SPECIES, FILES };
+static const char *const files[FILES] = {"lagrangian/grains/positions", "lagrangian/grains/U",
+                                         "lagrangian/grains/id",        "lagrangian/grains/d",
+                                         "lagrangian/grains/omega",     "lagrangian/grains/species"};
+static const char *const classes[FILES] = {
+    "Cloud<passiveParticle>", "vectorField", "labelField", "scalarField", "vectorField", "labelField"};
 
 status cloud_make(int n, struct cloud *c) {
     *c = (struct cloud){.n = n};
@@ -32,6 +33,7 @@ void cloud_free(struct cloud *c) {
     free(c->id);
     free(c->spin);
     free(c->size);
+    free(c->species);
     *c = (struct cloud){.n = 0};
 }
 
@@ -45,6 +47,10 @@ static void print_positions(struct sink *s, const struct cloud *c) {
 static status print_list(struct sink *s, const struct cloud *c, int file, const struct foam_format *f) {
     if (file == VELOCITY || file == SPIN) {
         foam_list_write_doubles(s, f, 3, c->n, file == SPIN ? c->spin[0] : c->u[0]);
+        return OK;
+    }
+    if (file == SPECIES) {
+        foam_list_write_labels(s, f, c->n, c->species);
         return OK;
     }
     void *list = NULL;
@@ -75,7 +81,7 @@ status cloud_write(const struct cloud *c, const char *folder, const char *locati
         struct foam_format f = *format;
         struct sink *s;
         struct file_sum sum;
-        if (k == SPIN && !c->spin) continue;
+        if ((k == SPIN && !c->spin) || (k == SPECIES && !c->species)) continue;
         f.precision = 17; /* all digits, because a start may be made from the file */
         if (k == POSITIONS) f.binary = false;
         snprintf(path, sizeof path, "%s/%s", folder, files[k]);
@@ -152,6 +158,17 @@ static status open_file(const char *folder, int file, struct source **source, st
     return OK;
 }
 
+static status take_diameters(const double *values, struct cloud *c) {
+    bool alike = true;
+    c->diameter = values[0];
+    for (int i = 0; i < c->n; i++) alike = alike && values[i] == values[0];
+    if (alike) return OK;
+    c->diameter = 1;
+    TRY(allocate(&c->size, c->n, sizeof *c->size, "diameters of grains"));
+    memcpy(c->size, values, (size_t)c->n * sizeof *values);
+    return OK;
+}
+
 /* Reads a field beside the positions if its file is there. */
 static status read_beside(const char *folder, int file, struct cloud *c) {
     char path[2 * TIME_PATH];
@@ -168,13 +185,14 @@ static status read_beside(const char *folder, int file, struct cloud *c) {
         return OK;
     }
     status e = open_file(folder, file, &source, &l, &h);
-    if (!e && file == ID) e = foam_list_read_labels(&l, &h, c->n, &n, &c->id);
-    if (!e && file != ID) e = foam_list_read_doubles(&l, &h, file == DIAMETER ? 1 : 3, c->n, &n, &values);
+    int **labels = file == ID ? &c->id : file == SPECIES ? &c->species : NULL;
+    if (!e && labels) e = foam_list_read_labels(&l, &h, c->n, &n, labels);
+    if (!e && !labels) e = foam_list_read_doubles(&l, &h, file == DIAMETER ? 1 : 3, c->n, &n, &values);
     if (!e && n != c->n) e = fail(ERR_INPUT, "%s: it holds %ld values; there are %d grains", path, n, c->n);
     if (!e && file == VELOCITY) memcpy(c->u, values, (size_t)n * sizeof *c->u);
     if (!e && file == SPIN) e = allocate(&c->spin, n, sizeof *c->spin, "spins of grains");
     if (!e && file == SPIN) memcpy(c->spin, values, (size_t)n * sizeof *c->spin);
-    if (!e && file == DIAMETER) c->diameter = values[0];
+    if (!e && file == DIAMETER) e = take_diameters(values, c);
     free(values);
     source_free(source);
     return e;
@@ -199,16 +217,18 @@ status cloud_write_vtk(const struct cloud *c, const char *folder, const char *na
     double *number = NULL;
     if (!c->n) return OK;
     snprintf(path, sizeof path, "%s/%s-grains_%s.vtk", folder, name, time);
-    TRY(allocate(&number, 2L * c->n, sizeof(double), "VTK fields"));
+    TRY(allocate(&number, 3L * c->n, sizeof(double), "VTK fields"));
     for (int i = 0; i < c->n; i++) {
         number[i] = c->id ? c->id[i] : i;
         number[c->n + i] = c->size ? c->diameter * c->size[i] : c->diameter;
+        number[2L * c->n + i] = c->species ? c->species[i] : 0;
     }
-    const struct vtk_field fields[] = {{"id", 1, number},
-                                       {"d", 1, number + c->n},
-                                       {"U", 3, c->u ? c->u[0] : NULL},
-                                       {"omega", 3, c->spin ? c->spin[0] : NULL}};
-    status e = vtk_write_points(path, ascii, t, step, c->n, c->x[0], !c->u ? 2 : c->spin ? 4 : 3, fields);
+    struct vtk_field fields[5] = {{"id", 1, number}, {"d", 1, number + c->n}};
+    int n = 2;
+    if (c->u) fields[n++] = (struct vtk_field){"U", 3, c->u[0]};
+    if (c->spin) fields[n++] = (struct vtk_field){"omega", 3, c->spin[0]};
+    if (c->species) fields[n++] = (struct vtk_field){"species", 1, number + 2L * c->n};
+    const status e = vtk_write_points(path, ascii, t, step, c->n, c->x[0], n, fields);
     free(number);
     return e;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grains as an OpenFOAM cloud, TIME/lagrangian/grains: `positions` (Cloud<passiveParticle>, always ascii) and fields
- * U, id, d, of rough grains also omega, beside it, which foamToVTK and ParaView read. */
+ * U, id, d, of rough grains also omega, of a mixture also species, beside it, which foamToVTK and ParaView read. */
 #ifndef SOLVERS_CLOUDS_H
 #define SOLVERS_CLOUDS_H
 
@@ -16,8 +16,9 @@ struct cloud { /* a zeroed cloud has no grains */
     int *id;           /* [n]; NULL: 0 .. n-1 */
     double diameter;   /* m; 0: not known */
     double *size;      /* [n] diameters over that; NULL: all are alike */
+    int *species;      /* [n] number of the kind, from 0; NULL: all are alike, or the file is not there */
 };
-status cloud_make(int n, struct cloud *out); /* allocates all lists but spin and id */
+status cloud_make(int n, struct cloud *out); /* allocates x, u and cell */
 void cloud_free(struct cloud *c);
 
 /* Writes the cloud into the folder of a time that is being written; location is the time's name. */

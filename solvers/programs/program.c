@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { NAMES = 9 };                            /* options of a solver, but -keywords */
+enum { NAMES = 10, VALUES = 3 };               /* options of a solver, but -keywords; the first ones have a value */
 enum { MOST_STARTED = 8, MOST_LAUNCHED = 64 }; /* ranks for a processor: by -np, and by mpirun, which tests overload */
 
 status option_unknown(const char *word, const char *const *names, int n) {
@@ -92,13 +92,26 @@ static status check_parallel(void) {
                 "granularGas ..;  the case needs no decomposePar");
 }
 
+/* Takes the value of -case, -np or -ensemble. */
+static status take_value(const char *name, const char *value, struct options *out) {
+    char *end = NULL;
+    if (!strcmp(name, "-case")) return folder_plain(value, out->dir);
+    const bool ranks = !strcmp(name, "-np");
+    const long n = strtol(value, &end, 10), least = ranks ? 1 : 2;
+    if (*end || end == value || n < least || n > 1000000)
+        return fail(ERR_INPUT, "%s %s: the number of %s is a whole number from %ld on", name, value,
+                    ranks ? "ranks" : "members", least);
+    if (ranks) TRY(check_ranks(n, MOST_STARTED));
+    *(ranks ? &out->ranks : &out->members) = (int)n;
+    return OK;
+}
+
 status options_read(int argc, char **argv, struct options *out) {
-    static const char *const names[] = {"-case", "-np",         "-dry-run", "-strict",  "-debug",
-                                        "-help", "-listModels", "-listBCs", "-version", "-keywords"};
+    static const char *const names[] = {"-case", "-np",         "-ensemble", "-dry-run", "-strict",  "-debug",
+                                        "-help", "-listModels", "-listBCs",  "-version", "-keywords"};
     *out = (struct options){.dir = "."};
-    bool *const flags[] = {NULL,         NULL,       &out->dry_run,     &out->strict,
-                           &out->debug,  &out->help, &out->list_models, &out->list_boundaries,
-                           &out->version};
+    bool *const flags[] = {&out->dry_run,     &out->strict,          &out->debug,  &out->help,
+                           &out->list_models, &out->list_boundaries, &out->version};
     for (int i = 1; i < argc; i++) {
         int k = 0;
         if (lookup_option(argc, argv, &i, &out->keywords)) continue;
@@ -110,21 +123,28 @@ status options_read(int argc, char **argv, struct options *out) {
         }
         while (k < NAMES && strcmp(word, names[k])) k++;
         if (k == NAMES) return option_unknown(argv[i], names, NAMES + 1);
-        if (k >= 2) {
-            *flags[k] = true;
+        if (k >= VALUES) {
+            *flags[k - VALUES] = true;
             continue;
         }
         TRY(option_value(argc, argv, &i, &value));
-        if (k == 0) TRY(folder_plain(value, out->dir));
-        char *end = NULL;
-        long n = k == 1 ? strtol(value, &end, 10) : 1;
-        if (k == 1 && (*end || end == value || n < 1 || n > 1000000))
-            return fail(ERR_INPUT, "-np %s: the number of ranks is a whole number from 1 on", value);
-        if (k == 1) TRY(check_ranks(n, MOST_STARTED));
-        if (k == 1) out->ranks = (int)n;
+        TRY(take_value(names[k], value, out));
     }
     const bool asks = out->help || out->list_models || out->list_boundaries || out->version || out->keywords.asked;
     return asks ? OK : case_folder(out->dir);
+}
+
+status options_ensemble(const struct options *o) {
+    char members[16], cores[16], haff[4096];
+    if (o->strict || o->debug) return fail(ERR_INPUT, "-ensemble goes with -case, -np and -dry-run alone");
+    snprintf(members, sizeof members, "%d", o->members);
+    snprintf(cores, sizeof cores, "%d", o->ranks ? o->ranks : 1);
+    if (!build_companion("haff", sizeof haff, haff))
+        return fail(ERR_SYSTEM, "-ensemble: the command haff, which runs the members, is not beside this program; "
+                                "build or install haff as a whole");
+    fflush(NULL);
+    execl(haff, haff, "ensemble", o->dir, "-members", members, "-cores", cores, (char *)NULL);
+    return fail(ERR_SYSTEM, "%s cannot be started: %s", haff, strerror(errno));
 }
 
 status options_relaunch(int argc, char **argv, const struct options *o) {

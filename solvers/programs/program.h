@@ -19,7 +19,8 @@ struct options {
     char dir[PLAIN_PATH]; /* -case DIR; default "."; without links, so that what is written goes through none */
     bool dry_run, strict, debug, help, list_models, list_boundaries, version;
     struct lookup keywords;
-    int ranks; /* -np N; 0: not given */
+    int ranks;   /* -np N; 0: not given */
+    int members; /* -ensemble N; 0: not given */
 };
 /* Helpers for the arguments of any program: option_unknown returns the error for an unknown word, which lists the known
  * ones; option_value takes the word behind argv[*i]. */
@@ -34,6 +35,8 @@ status case_folder(const char *dir);
 status options_read(int argc, char **argv, struct options *out);
 /* Replaces this process by mpirun -np N of the same program and options, for -np N; returns only if that failed. */
 status options_relaunch(int argc, char **argv, const struct options *o);
+/* Replaces this process by `haff ensemble`, for -ensemble N; returns only if that failed. */
+status options_ensemble(const struct options *o);
 /* Fails if mpirun has started far more ranks on this machine than it has processors, before MPI makes them wait for
  * each other; *first: is this process the one that says so? */
 status options_launched(bool *first);

@@ -29,6 +29,13 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
         if (o.list_boundaries) type->list_boundaries(stdout);
         return 0;
     }
+    if (o.members && !type->seeds)
+        s = fail(ERR_INPUT, "-ensemble %d: %s has no seed, so that all members would be the same run", o.members,
+                 type->application);
+    else if (o.members && !o.dry_run)
+        s = options_ensemble(&o);
+    if (s) return program_end(NULL, s, o.debug);
+    if (o.members) o.ranks = 0; /* a dry run of one member */
     if (o.ranks > 1 && !type->starts) return program_end(NULL, options_relaunch(argc, argv, &o), o.debug);
     bool first;
     s = options_launched(&first);

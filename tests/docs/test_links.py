@@ -26,6 +26,7 @@ COMMANDS = {
     "build/bin/haffLog CASE -follow": "tests/postprocessing/plot/test_commands.py::test_follow_ends_with_the_run",
     "gmsh -3 mesh.geo -o mesh.msh && gmshToCase mesh.msh -case gas && granularGas -case gas": "tests/docs/test_links.py::test_reference",
     "gmsh -3 mesh.geo -o mesh.msh && gmshToCase mesh.msh -case . && checkCase . && granularGas -case .": "tests/docs/test_userGuide.py::test_mesh_to_run",
+    "granularMD -ensemble 8 -np 2 -case DIR": "tests/cases/grains/test_ensemble.py::test_means",
     "haffPlot CASE [FIELD ..]": "tests/postprocessing/plot/test_commands.py::test_without_options",
     "haffMovie CASE FIELD": "tests/postprocessing/plot/test_commands.py::test_mp4",
     "haffLog CASE -follow": "tests/postprocessing/plot/test_commands.py::test_follow_ends_with_the_run",

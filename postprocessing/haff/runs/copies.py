@@ -15,7 +15,7 @@ from haff.case import entries
 from haff.case.foam import is_time, times_in
 
 NOTES = "run.json"
-MADE = re.compile(r"\..*|postProcessing|VTK|diverged|processor\d+|log\..*|run\.json|__pycache__")  # by runs, in the folder of a case
+MADE = re.compile(r"\..*|postProcessing|VTK|ensemble|diverged|processor\d+|log\..*|run\.json|__pycache__")  # by runs, in the folder of a case
 UNREAD = re.compile(r"README.*|(expected|tables)\.json|.*\.(py|png|pdf|svg|gif|mp4|foam)|All\w+")  # by programs, in the folder of a case
 MESHES = "mesh.geo", "mesh.msh"
 

@@ -295,7 +295,7 @@ def sweep(case, grid=None, *, cores=2, folder=None, measure=None, mesh=None, ran
     if min(cores, ranks) < 1:
         raise ValueError(f"cores: {cores}, ranks: {ranks}; needed: numbers from 1 on")
     folder = os.path.abspath(folder if folder is not None else f"{case}-sweep")
-    if (folder + os.sep).startswith(case + os.sep):
+    if (folder + os.sep).startswith(case + os.sep) and os.path.relpath(folder, case) != "ensemble":  # which no copy takes along
         raise ValueError(f"{folder} lies in the case: name a folder outside")
     points = points_of(folder, choices_of(grid, mesh))
     check(case, points)

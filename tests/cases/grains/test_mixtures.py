@@ -89,7 +89,7 @@ class Mixtures(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual((column(case, "T_two") / column(case, "T_one")).mean() / 2, 1, delta=0.1)
 
     def test_fields(self):
-        """Of a moment: all mass and area of the grains in a cell, mean velocity and T by mass; d of each in the cloud."""
+        """Of a moment: all mass and area of the grains in a cell, mean velocity and T by mass; alpha, U, T of each kind; d and kind of each grain in the cloud, also in VTK."""
         case = self.case("moment", "coarseGraining { window 10; }\n" + species((1, 0.6), (3, 0.5), (1, 2)), e=0.9, end=1, interval=1, size=40.0)
         hard.solve(case)
         found = harness.haff.Case(case)
@@ -106,6 +106,18 @@ class Mixtures(harness.Folder, unittest.TestCase):
             self.assertAlmostEqual(alpha[i], np.pi / 4 * np.sum(c["d"][inside] ** 2) / 100, delta=1e-12)
             np.testing.assert_allclose(U[i], mean, atol=1e-12)
             self.assertAlmostEqual(T[i], np.sum(m * ((u - mean) ** 2).sum(axis=1)) / (2 * m.sum()), delta=1e-12)
+            for name, k, d in (("one", 0, 1.0), ("two", 1, 0.6)):
+                own = c["U"][inside & (c["species"] == k)]
+                self.assertAlmostEqual(found.field(f"alpha.{name}", "1")[i], np.pi / 4 * d**2 * len(own) / 100, delta=1e-12)
+                np.testing.assert_allclose(found.field(f"U.{name}", "1")[i], own.mean(axis=0), atol=1e-12)
+                self.assertAlmostEqual(found.field(f"T.{name}", "1")[i], ((own - own.mean(axis=0)) ** 2).sum() / (2 * len(own)), delta=1e-12)
+        np.testing.assert_array_equal(c["species"] == 0, c["d"] == 1)
+        if hard.vtk is None:
+            self.skipTest("VTK's Python module is not there")
+        harness.program("caseToVTK", case)
+        data = hard.points(os.path.join(case, "VTK", "moment-grains_1.vtk"))
+        for name in ("species", "d"):
+            np.testing.assert_array_equal(hard.values(data, name), c[name])
 
     def test_walls(self):
         """Grains come to flat walls and to facets as near as their own radius, and not nearer."""
@@ -151,6 +163,7 @@ class Mixtures(harness.Folder, unittest.TestCase):
         many = "species {" + "".join(f" k{i} {{ }}" for i in range(9)) + " }\n"
         for n, (particles, text) in enumerate(((many, r"particleProperties:\d+: key 'species' .*8 kinds at most"),
                                                (species((1, 0.5), (1, 1), more=("with { two 1.5; }", "")), r"key 'two' is 1.5; a restitution lies in 0 to 1"),
+                                               ("species { a-b { } c { } }\n", r"key 'a-b'.* a kind of grains has a name of letters, digits and _, 40 at most"),
                                                (species((1, 0.5), (1, 1), more=("", "restitutio 0.5;")), r"keyword 'restitutio' is not used"),
                                                ("shearRate 1;\n" + species((1, 0.5), (1, 1)), r"grains of a sheared box are of one kind"))):
             done = harness.program("granularMD", "-case", self.case(f"refused {n}", particles), check=False)

@@ -17,6 +17,11 @@ from tests.solvers.programs.test_bad_input import snapshot
 
 from haff.case import grains  # noqa: E402
 
+try:
+    import vtk
+except ImportError:
+    vtk = None
+
 CONTROL = """application granularMD;
 startFrom latestTime;
 endTime {end};
@@ -42,6 +47,19 @@ transport none;
 """
 PERIODIC = {"x": "cyclic", "y": "cyclic", "z": "cyclic"}
 OPENFOAM = "/usr/share/openfoam"
+
+
+def points(path):
+    """The POLYDATA of a file, by VTK."""
+    reader = vtk.vtkPolyDataReader()
+    reader.SetFileName(path)
+    reader.ReadAllScalarsOn(), reader.ReadAllVectorsOn(), reader.ReadAllFieldsOn(), reader.Update()
+    return reader.GetOutput()
+
+
+def values(data, name):
+    array = data.GetPointData().GetArray(name)
+    return np.array([array.GetTuple(i) for i in range(data.GetNumberOfPoints())]).squeeze()
 
 
 def rules(names, types, wall):
@@ -337,9 +355,7 @@ class Particles(harness.Folder, unittest.TestCase):
 
     def test_vtk(self):
         """POLYDATA of the cloud from the function object and from caseToVTK, read by VTK."""
-        try:
-            import vtk
-        except ImportError:
+        if vtk is None:
             self.skipTest("VTK's Python module is not there")
         case = self.case("pictures", control="functions { pictures { type vtk; writeControl writeTime; } }\n", end=1)
         solve(case)
@@ -348,17 +364,12 @@ class Particles(harness.Folder, unittest.TestCase):
             if ascii is not None:
                 shutil.rmtree(os.path.join(case, "VTK"))
                 harness.program("caseToVTK", case, *ascii)
-            reader = vtk.vtkPolyDataReader()
-            reader.SetFileName(os.path.join(case, "VTK", "pictures-grains_1.vtk"))
-            reader.ReadAllScalarsOn(), reader.ReadAllVectorsOn(), reader.ReadAllFieldsOn(), reader.Update()
-            data = reader.GetOutput()
+            data = points(os.path.join(case, "VTK", "pictures-grains_1.vtk"))
             n = data.GetNumberOfPoints()
             self.assertEqual((n, data.GetNumberOfVerts()), (len(c["x"]), len(c["x"])))
             np.testing.assert_array_equal([data.GetPoint(i) for i in range(n)], c["x"])
             for name in ("U", "d", "id"):
-                array = data.GetPointData().GetArray(name)
-                values = np.array([array.GetTuple(i) for i in range(n)]).squeeze()
-                np.testing.assert_array_equal(values, c[name].astype(float))
+                np.testing.assert_array_equal(values(data, name), c[name].astype(float))
             for series, times in (("pictures", 3), ("pictures-grains", 2 if ascii is not None else 3)):
                 with open(os.path.join(case, "VTK", series + ".vtk.series")) as f:
                     self.assertEqual(f.read().count('"time"'), times, series)
