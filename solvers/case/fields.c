@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATH = 4096, TYPES = 32 };
+enum { PATH = 4096, TYPES = 32, AT_ONCE = 1 << 14 }; /* points that expressions take at once */
 
 const struct field_kind field_kinds[FIELD_COUNT] = {
     {"rho", 1, {1, -3, 0, 0, 0, 0, 0}, "density", NULL, true},
@@ -194,13 +194,6 @@ static status read_value(struct dict *d, const char *key, int components, struct
     return OK;
 }
 
-/* Returns the error for a value that is not finite; cell is -1 at points other than the centres. */
-static status unfinite(struct dict *d, double value, long cell, const double *x, double t) {
-    char in[40] = "";
-    if (cell >= 0) snprintf(in, sizeof in, " in cell %ld", cell);
-    return dict_fail(d, "expression", "it gives %g%s at (%g %g %g), t = %g", value, in, x[0], x[1], x[2], t);
-}
-
 long field_first(const struct field_place *at) {
     return at->share ? at->share->first : 0;
 }
@@ -222,44 +215,56 @@ void field_centre(const struct field_place *at, long cell, double x[3]) {
         sites_centre(at->mesh->outline->sites, cell, x);
 }
 
-/* Evaluates the expressions of a field at points or, where these are NULL, at the cells of a place. */
-static status read_expression(struct dict *d, int components, const struct field_place *cells, long npoints,
-                              const double *points, double t, double *out) {
+struct points {
+    long n;
+    const double *x; /* [n][3] m; NULL: those of `cells`, n of them */
+    const struct field_place *cells;
+    double t;
+};
+
+/* Evaluates an expression, for every components-th number of `out`; room[4 * AT_ONCE] or [4 * points]. */
+static status evaluate(struct dict *d, const struct expr *e, const struct points *p, int components, double *room,
+                       double *out) {
+    for (long from = 0, n; from < p->n; from += n) {
+        n = p->n - from < AT_ONCE ? p->n - from : AT_ONCE;
+        const double *x = p->x ? p->x + 3 * from : room;
+        double *v = room + 3 * n;
+        for (long i = 0; i < n && !p->x; i++) field_centre(p->cells, field_first(p->cells) + from + i, room + 3 * i);
+        expr_values(e, n, x, p->t, v);
+        for (long i = 0; i < n; i++, x += 3) {
+            if (isfinite(out[(from + i) * components] = v[i])) continue;
+            char in[40] = "";
+            if (!p->x) snprintf(in, sizeof in, " in cell %ld", field_first(p->cells) + from + i);
+            return dict_fail(d, "expression", "it gives %g%s at (%g %g %g), t = %g", v[i], in, *x, x[1], x[2], p->t);
+        }
+    }
+    return OK;
+}
+
+static status read_expression(struct dict *d, int components, const struct points *p, double *out) {
     const char *const *texts;
+    double *room;
     int n;
     TRY(dict_words(d, "expression", &n, &texts));
     if (n != components)
         return dict_fail(d, "expression", "it holds %d expressions; the field has %d component%s", n, components,
                          components == 1 ? "" : "s: (\"u\" \"v\" \"w\")");
-    for (int c = 0; c < components; c++) {
+    status s = allocate(&room, 4 * (p->n < AT_ONCE ? p->n : AT_ONCE), sizeof *room, "points of an expression");
+    for (int c = 0; c < components && !s; c++) {
         struct expr *e;
-        status s = expr_compile(texts[c], &e);
-        if (s && dict_is_foreign(d, "expression")) {
-            status_free(s);
-            return dict_fail(d, "expression", "it cannot be read");
-        }
-        if (s) return status_note(s, "%s:%d: expression \"%s\"", dict_path(d), dict_line(d, "expression"), texts[c]);
-        for (long i = 0; i < npoints; i++) {
-            double x[3];
-            if (points)
-                memcpy(x, points + 3 * i, sizeof x);
-            else
-                field_centre(cells, field_first(cells) + i, x);
-            double v = expr_value(e, x[0], x[1], x[2], t);
-            if (!isfinite(v) && !s) s = unfinite(d, v, points ? -1 : field_first(cells) + i, x, t);
-            out[i * components + c] = v;
-        }
+        s = dict_note_expression(d, "expression", texts[c], expr_compile(texts[c], &e));
+        if (!s) s = evaluate(d, e, p, components, room, out + c);
         expr_free(e);
-        if (s) return s;
     }
-    return OK;
+    free(room);
+    return s;
 }
 
 bool field_has_expression(const struct field *f) {
     return dict_has(f->dict, "expression") && !f->plan.changes;
 }
 status field_evaluate(const struct field *f, long npoints, const double *points, double t, double *out) {
-    return read_expression(f->dict, f->kind->components, NULL, npoints, points, t, out);
+    return read_expression(f->dict, f->kind->components, &(struct points){npoints, points, NULL, t}, out);
 }
 
 static status read_cells(struct field *f, const struct field_place *at) {
@@ -268,7 +273,7 @@ static status read_cells(struct field *f, const struct field_place *at) {
     if (dict_has(f->dict, "expression")) {
         (void)dict_has(f->dict, "internalField");
         TRY(allocate(&f->values, n * m, sizeof(double), f->kind->name));
-        return read_expression(f->dict, m, at, n, NULL, at->t, f->values);
+        return read_expression(f->dict, m, &(struct points){n, NULL, at, at->t}, f->values);
     }
     double uniform[3] = {0, 0, 0};
     if (!f->plan.fills || dict_has(f->dict, "internalField"))

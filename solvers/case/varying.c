@@ -139,11 +139,7 @@ static status find_levers(struct varying *v, bool section) {
 static status compile_one(struct varying *v, const char *text, int component, bool foam) {
     status s = foam ? expr_compile_foam(text, v->components == 3 ? component : -1, &v->expr[component])
                     : expr_compile(text, &v->expr[component]);
-    if (s && dict_is_foreign(v->dict, v->key)) {
-        status_free(s);
-        return dict_fail(v->dict, v->key, "it cannot be read");
-    }
-    return status_note(s, "%s:%d: %s \"%s\"", dict_path(v->dict), v->line, v->key, text);
+    return dict_note_expression(v->dict, v->key, text, s);
 }
 
 static status read_expressions(struct varying *v, bool foam) {

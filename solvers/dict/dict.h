@@ -67,6 +67,10 @@ status dict_table(struct dict *d, const char *key, int *count, const double **ou
  * three is (x y z): (*out)[*count][1 + components], t and v, of rising t. A constant is one row, t = 0. */
 status dict_function(struct dict *d, const char *key, int components, int *count, const double **out);
 
+/* Adds file, line and text to the error s of compiling the text of an expression (expr.h); OK stays OK. Of a text that
+ * lies outside of the case the error shows nothing. */
+status dict_note_expression(const struct dict *d, const char *key, const char *text, status s);
+
 /* Gives the tokens of a value, macros expanded: the lexer stands before the first one, and ';' follows the last. A
  * nonuniform List<...> of any size is read through this function alone: the parser skipped it; dict_header says how its
  * bytes lie. The lexer lives as long as the dictionary. */

@@ -404,3 +404,10 @@ status dict_words(struct dict *d, const char *key, int *count, const char *const
     *out = words;
     return OK;
 }
+
+status dict_note_expression(const struct dict *d, const char *key, const char *text, status s) {
+    if (!s || !dict_is_foreign(d, key))
+        return status_note(s, "%s:%d: %s \"%s\"", dict_path(d), dict_line(d, key), key, text);
+    status_free(s);
+    return dict_fail(d, key, "it cannot be read");
+}

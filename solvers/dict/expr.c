@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compiles arithmetic expressions by recursive descent to steps of a stack machine, and evaluates them (expr.h). */
-#include "solvers/dict/expr.h"
+/* Compiles arithmetic expressions by recursive descent to steps of a stack machine (expr.h). */
+#include "solvers/dict/expr_private.h"
 
 #include "mesh/format/foamfile.h"
 #include "solvers/dict/dict.h"
@@ -11,138 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STACK = 64, DEPTH = 64, LENGTH = 4096 };
-enum op { NUMBER, VARIABLE, CALL1, CALL2, SELECT };
-
-struct step {
-    enum op op;
-    int variable;
-    double number;
-    double (*one)(double);
-    double (*two)(double, double);
-};
-struct expr {
-    int count;
-    struct step step[];
-};
-
-static double add(double a, double b) {
-    return a + b;
-}
-static double subtract(double a, double b) {
-    return a - b;
-}
-static double multiply(double a, double b) {
-    return a * b;
-}
-static double divide(double a, double b) {
-    return a / b;
-}
-static double less(double a, double b) {
-    return a < b;
-}
-static double greater(double a, double b) {
-    return a > b;
-}
-static double at_most(double a, double b) {
-    return a <= b;
-}
-static double at_least(double a, double b) {
-    return a >= b;
-}
-static double equal(double a, double b) {
-    return a == b;
-}
-static double differs(double a, double b) {
-    return a != b;
-}
-static double both(double a, double b) {
-    return a != 0 && b != 0;
-}
-static double either(double a, double b) {
-    return a != 0 || b != 0;
-}
-static double smaller(double a, double b) {
-    return a < b ? a : b;
-}
-static double larger(double a, double b) {
-    return a > b ? a : b;
-}
-static double negate(double a) {
-    return -a;
-}
-static double invert(double a) {
-    return a == 0;
-}
-static double sign(double a) {
-    return a >= 0 ? 1 : -1;
-}
-static double pos(double a) {
-    return a > 0;
-}
-static double neg(double a) {
-    return a < 0;
-}
-
-static double to_radians(double a) {
-    return a * 3.14159265358979323846 / 180;
-}
-static double to_degrees(double a) {
-    return a * 180 / 3.14159265358979323846;
-}
-static double square(double a) {
-    return a * a;
-}
-
-static const struct expr_function {
-    const char *name;
-    double (*one)(double);
-    double (*two)(double, double);
-} functions[] = {
-    {"exp", exp, 0},
-    {"log", log, 0},
-    {"log10", log10, 0},
-    {"sqrt", sqrt, 0},
-    {"cbrt", cbrt, 0},
-    {"sin", sin, 0},
-    {"cos", cos, 0},
-    {"tan", tan, 0},
-    {"asin", asin, 0},
-    {"acos", acos, 0},
-    {"atan", atan, 0},
-    {"sinh", sinh, 0},
-    {"cosh", cosh, 0},
-    {"tanh", tanh, 0},
-    {"abs", fabs, 0},
-    {"floor", floor, 0},
-    {"ceil", ceil, 0},
-    {"round", round, 0},
-    {"sign", sign, 0},
-    {"pos", pos, 0},
-    {"neg", neg, 0},
-    {"atan2", 0, atan2},
-    {"pow", 0, pow},
-    {"min", 0, smaller},
-    {"max", 0, larger},
-    {"mod", 0, fmod},
-    {"hypot", 0, hypot},
-    {"sqr", square, 0},
-    {"mag", fabs, 0},
-    {"degToRad", to_radians, 0},
-    {"radToDeg", to_degrees, 0},
-};
-
-/* Binary operators by rank; all but ^ group to the left. Longer names stand first. */
-static const struct infix {
-    const char *name;
-    int rank;
-    double (*two)(double, double);
-} operators[] = {
-    {"||", 0, either},   {"&&", 1, both},  {"==", 2, equal},  {"!=", 2, differs}, {"<=", 2, at_most},
-    {">=", 2, at_least}, {"<", 2, less},   {">", 2, greater}, {"+", 3, add},      {"-", 3, subtract},
-    {"*", 4, multiply},  {"/", 4, divide}, {"%", 4, fmod},
-};
-enum { RANKS = 5 };
+enum { DEPTH = 64, LENGTH = 4096 };
 
 struct compiler {
     const char *text, *p;
@@ -169,7 +38,7 @@ static status complain(const struct compiler *c, const char *what) {
 static status emit(struct compiler *c, struct step step) {
     static const int change[] = {[NUMBER] = 1, [VARIABLE] = 1, [CALL1] = 0, [CALL2] = -1, [SELECT] = -2};
     c->stack += change[step.op];
-    if (c->stack > STACK) return complain(c, "the expression is nested too deeply");
+    if (c->stack > EXPR_STACK) return complain(c, "the expression is nested too deeply");
     c->e->step[c->e->count++] = step;
     return OK;
 }
@@ -195,12 +64,12 @@ static status scalar(struct compiler *c) {
 static status call(struct compiler *c, const struct expr_function *f) {
     TRY(bracket(c, '(', "expected '(' after the name of a function"));
     TRY(scalar(c));
-    if (f->two) {
+    if (f->what.two) {
         TRY(bracket(c, ',', "expected ',' and a second argument"));
         TRY(scalar(c));
     }
-    TRY(bracket(c, ')', f->two ? "expected ')' after two arguments" : "expected ')' after one argument"));
-    return emit(c, (struct step){.op = f->two ? CALL2 : CALL1, .one = f->one, .two = f->two});
+    TRY(bracket(c, ')', f->what.two ? "expected ')' after two arguments" : "expected ')' after one argument"));
+    return emit(c, (struct step){.op = f->what.two ? CALL2 : CALL1, .what = &f->what});
 }
 
 /* ---- OpenFOAM's grammar ---- */
@@ -292,15 +161,15 @@ static status name(struct compiler *c) {
         c->p += length;
         return emit(c, step);
     }
-    for (size_t i = 0; i < sizeof functions / sizeof *functions; i++)
-        if (strlen(functions[i].name) == (size_t)length && !memcmp(functions[i].name, word, (size_t)length)) {
+    for (int i = 0; i < EXPR_FUNCTIONS; i++)
+        if (strlen(expr_functions[i].name) == (size_t)length && !memcmp(expr_functions[i].name, word, (size_t)length)) {
             c->p += length;
-            return call(c, &functions[i]);
+            return call(c, &expr_functions[i]);
         }
-    const char *names[sizeof functions / sizeof *functions + 2];
+    const char *names[EXPR_FUNCTIONS + 2];
     char text[32];
     int n = 0;
-    for (; n < (int)(sizeof functions / sizeof *functions); n++) names[n] = functions[n].name;
+    for (; n < EXPR_FUNCTIONS; n++) names[n] = expr_functions[n].name;
     for (int i = 0; c->mixture && i < 2; i++) names[n++] = mixture_names[i];
     snprintf(text, sizeof text, "%.*s", length, word);
     char meant[MEANT];
@@ -350,7 +219,7 @@ static status primary(struct compiler *c) {
     if (c->foam) return complain(c, "OpenFOAM's grammar has pow(a, b)");
     c->p++;
     TRY(unary(c));
-    return emit(c, (struct step){.op = CALL2, .two = pow});
+    return emit(c, (struct step){.op = CALL2, .what = &expr_power});
 }
 
 static status unary(struct compiler *c) {
@@ -361,7 +230,7 @@ static status unary(struct compiler *c) {
         c->p++;
         TRY(unary(c));
         if (sign_ == '!' && c->vector) return complain(c, "what stands before it is a vector");
-        if (sign_ != '+') TRY(emit(c, (struct step){.op = CALL1, .one = sign_ == '-' ? negate : invert}));
+        if (sign_ != '+') TRY(emit(c, (struct step){.op = CALL1, .what = sign_ == '-' ? &expr_minus : &expr_not}));
     } else {
         TRY(primary(c));
     }
@@ -370,14 +239,14 @@ static status unary(struct compiler *c) {
 }
 
 static const struct infix *find_operator(const char *p, int rank) {
-    for (size_t i = 0; i < sizeof operators / sizeof *operators; i++)
-        if (!strncmp(p, operators[i].name, strlen(operators[i].name)))
-            return operators[i].rank == rank ? &operators[i] : NULL;
+    for (int i = 0; i < EXPR_OPERATORS; i++)
+        if (!strncmp(p, expr_operators[i].name, strlen(expr_operators[i].name)))
+            return expr_operators[i].rank == rank ? &expr_operators[i] : NULL;
     return NULL;
 }
 
 static status binary(struct compiler *c, int rank) {
-    if (rank == RANKS) return unary(c);
+    if (rank == EXPR_RANKS) return unary(c);
     TRY(binary(c, rank + 1));
     for (;;) {
         blanks(c);
@@ -387,7 +256,7 @@ static status binary(struct compiler *c, int rank) {
         c->p += strlen(o->name);
         TRY(binary(c, rank + 1));
         TRY(foam_types(c, o->name, left));
-        TRY(emit(c, (struct step){.op = CALL2, .two = o->two}));
+        TRY(emit(c, (struct step){.op = CALL2, .what = &o->what}));
     }
 }
 
@@ -443,39 +312,10 @@ void expr_free(struct expr *e) {
     free(e);
 }
 
-double expr_value(const struct expr *e, double x, double y, double z, double t) {
-    return expr_value_mixture(e, x, y, z, t, 0, 0);
-}
-
 bool expr_uses(const struct expr *e, int variable) {
     for (int i = 0; i < e->count; i++)
         if (e->step[i].op == VARIABLE && e->step[i].variable == variable) return true;
     return false;
-}
-
-double expr_value_mixture(const struct expr *e, double x, double y, double z, double t, double phi, double shear_rate) {
-    const double variable[] = {x, y, z, t, phi, shear_rate};
-    double stack[STACK + 1], *top = stack; /* top: the last value on the stack */
-    for (const struct step *s = e->step; s < e->step + e->count; s++) {
-        switch (s->op) {
-        case NUMBER:
-            *++top = s->number;
-            break;
-        case VARIABLE:
-            *++top = variable[s->variable];
-            break;
-        case CALL1:
-            *top = s->one(*top);
-            break;
-        case CALL2:
-            top--, *top = s->two(top[0], top[1]);
-            break;
-        case SELECT:
-            top -= 2, *top = top[0] != 0 ? top[1] : top[2];
-            break;
-        }
-    }
-    return *top;
 }
 
 status expr_constant(const char *text, double *out) {

@@ -119,11 +119,7 @@ const struct field_kind segregation_phi = {"phi",     1,    {0, 0, 0, 0, 0, 0, 0
 static status read_law(struct dict *d, const char *key, bool mixture, struct expr **out) {
     const char *text;
     TRY(dict_word(d, key, &text));
-    status s = mixture ? expr_compile_mixture(text, out) : expr_compile(text, out);
-    if (!s || !dict_is_foreign(d, key))
-        return status_note(s, "%s:%d: %s \"%s\"", dict_path(d), dict_line(d, key), key, text);
-    status_free(s);
-    return dict_fail(d, key, "it is no expression");
+    return dict_note_expression(d, key, text, mixture ? expr_compile_mixture(text, out) : expr_compile(text, out));
 }
 
 /* Scales v to length 1; returns false if it is 0. The squares of the largest and the least numbers are none, so that

@@ -174,9 +174,43 @@ static void test_constant(void **state) {
     status_free(s);
 }
 
+/* At many points: the bits of each point alone, whatever their number, with values that recur and that are none. */
+static void test_many(void **state) {
+    (void)state;
+    enum { MOST = 3000 };
+    static const char *const texts[] = {
+        "1",
+        "t",
+        "pi*cos(1 + t)",
+        "z",
+        "1 + .1*cos(pi*(2*x - y)/8 + .3) + .2*sin(pi*(x + z)/8)*exp(-t*y)",
+        "x > y ? sqrt(x - y) : t < 8 ? -z : 1/0",
+        "log(x) + sqrt(y) + x^3 + atan2(y, z) % 2",
+        "x < 3 && !(y > 4) || z == 5",
+        "min(x, 1) - max(y, t)*abs(-z) + floor(x) + sqr(y)/mod(z, 2) + sign(x) + pos(y) + neg(z)",
+        "(x <= y) + (x >= y) + (x != y) + degToRad(x) + radToDeg(t) + hypot(x, 2) + mag(y) + cbrt(z) + -tanh(0*x)"};
+    static double x[3 * MOST], v[MOST];
+    unsigned seed = 1;
+    for (int i = 0; i < 3 * MOST; i++) x[i] = (double)((seed = seed * 1103515245 + 12345) >> 20 & 63) * .25 - 5;
+    for (int k = 0; k < 3; k++) x[k] = (const double[]){0. / -1., NAN, INFINITY}[k];
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct expr *e;
+        assert_null(expr_compile(texts[i], &e));
+        for (int n = 1; n <= MOST; n = 5 * n + 2) {
+            expr_values(e, n, x, 7, v);
+            for (int k = 0; k < n; k++) {
+                const double one = expr_value(e, x[3 * k], x[3 * k + 1], x[3 * k + 2], 7);
+                if (memcmp(&one, &v[k], sizeof one) && !(isnan(one) && isnan(v[k])))
+                    fail_msg("%s at point %d of %d: %.17g, not %.17g", texts[i], k, n, v[k], one);
+            }
+        }
+        expr_free(e);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_values), cmocka_unit_test(test_errors),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_values),       cmocka_unit_test(test_errors),
                                        cmocka_unit_test(test_foam_scalars), cmocka_unit_test(test_foam_vectors),
-                                       cmocka_unit_test(test_constant)};
+                                       cmocka_unit_test(test_constant),     cmocka_unit_test(test_many)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the functions and operators of expressions compute, of one point and of many (expr.h).
+ *
+ * Many points are taken in blocks: each step of the stack machine is a loop over a block, and one over a single number
+ * where its operands are the same at all points. Either way the operations of a point are those of expr_value, so its
+ * value has the same bits. */
+#include "solvers/dict/expr_private.h"
+
+#include "libcore/models/kernel.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- functions and operators ---- */
+
+/* Defines a function of one or two numbers, and that of lines of them. */
+#define ONE(name, value)                                                                                               \
+    static double name(double a) {                                                                                     \
+        return value;                                                                                                  \
+    }                                                                                                                  \
+    static void name##_line(int n, const double *p, double *out) {                                                     \
+        EACH_ALONE for (int i = 0; i < n; i++) {                                                                       \
+            const double a = p[i];                                                                                     \
+            out[i] = value;                                                                                            \
+        }                                                                                                              \
+    }
+#define TWO(name, value)                                                                                               \
+    static double name(double a, double b) {                                                                           \
+        return value;                                                                                                  \
+    }                                                                                                                  \
+    static void name##_lines(int n, const double *p, const double *q, double *out) {                                   \
+        EACH_ALONE for (int i = 0; i < n; i++) {                                                                       \
+            const double a = p[i], b = q[i];                                                                           \
+            out[i] = value;                                                                                            \
+        }                                                                                                              \
+    }
+TWO(add, a + b)
+TWO(subtract, a - b)
+TWO(multiply, a *b)
+TWO(divide, a / b)
+TWO(less, a < b)
+TWO(greater, a > b)
+TWO(at_most, a <= b)
+TWO(at_least, a >= b)
+TWO(equal, a == b)
+TWO(differs, a != b)
+TWO(both, a != 0 && b != 0)
+TWO(either, a != 0 || b != 0)
+TWO(least, a < b ? a : b)
+TWO(most, a > b ? a : b)
+ONE(negate, -a)
+ONE(invert, a == 0)
+ONE(sign, a >= 0 ? 1 : -1)
+ONE(pos, a > 0)
+ONE(neg, a < 0)
+ONE(root, sqrt(a))
+ONE(absolute, fabs(a))
+ONE(square, a *a)
+ONE(to_radians, a * 3.14159265358979323846 / 180)
+ONE(to_degrees, a * 180 / 3.14159265358979323846)
+#define OF_ONE(name)                                                                                                   \
+    { .one = name, .line = name##_line }
+#define OF_TWO(name)                                                                                                   \
+    { .two = name, .lines = name##_lines }
+
+const struct expr_function expr_functions[EXPR_FUNCTIONS] = {
+    {"exp", {.one = exp}},
+    {"log", {.one = log}},
+    {"log10", {.one = log10}},
+    {"sqrt", OF_ONE(root)},
+    {"cbrt", {.one = cbrt}},
+    {"sin", {.one = sin}},
+    {"cos", {.one = cos}},
+    {"tan", {.one = tan}},
+    {"asin", {.one = asin}},
+    {"acos", {.one = acos}},
+    {"atan", {.one = atan}},
+    {"sinh", {.one = sinh}},
+    {"cosh", {.one = cosh}},
+    {"tanh", {.one = tanh}},
+    {"abs", OF_ONE(absolute)},
+    {"floor", {.one = floor}},
+    {"ceil", {.one = ceil}},
+    {"round", {.one = round}},
+    {"sign", OF_ONE(sign)},
+    {"pos", OF_ONE(pos)},
+    {"neg", OF_ONE(neg)},
+    {"atan2", {.two = atan2}},
+    {"pow", {.two = pow}},
+    {"min", OF_TWO(least)},
+    {"max", OF_TWO(most)},
+    {"mod", {.two = fmod}},
+    {"hypot", {.two = hypot}},
+    {"sqr", OF_ONE(square)},
+    {"mag", OF_ONE(absolute)},
+    {"degToRad", OF_ONE(to_radians)},
+    {"radToDeg", OF_ONE(to_degrees)},
+};
+
+const struct infix expr_operators[EXPR_OPERATORS] = {
+    {"||", 0, OF_TWO(either)},  {"&&", 1, OF_TWO(both)},     {"==", 2, OF_TWO(equal)},   {"!=", 2, OF_TWO(differs)},
+    {"<=", 2, OF_TWO(at_most)}, {">=", 2, OF_TWO(at_least)}, {"<", 2, OF_TWO(less)},     {">", 2, OF_TWO(greater)},
+    {"+", 3, OF_TWO(add)},      {"-", 3, OF_TWO(subtract)},  {"*", 4, OF_TWO(multiply)}, {"/", 4, OF_TWO(divide)},
+    {"%", 4, {.two = fmod}},
+};
+const struct expr_operation expr_power = {.two = pow}, expr_minus = OF_ONE(negate), expr_not = OF_ONE(invert);
+
+/* ---- at one point ---- */
+
+double expr_value(const struct expr *e, double x, double y, double z, double t) {
+    return expr_value_mixture(e, x, y, z, t, 0, 0);
+}
+
+double expr_value_mixture(const struct expr *e, double x, double y, double z, double t, double phi, double shear_rate) {
+    const double variable[] = {x, y, z, t, phi, shear_rate};
+    double stack[EXPR_STACK + 1], *top = stack; /* top: the last value on the stack */
+    for (const struct step *s = e->step; s < e->step + e->count; s++) {
+        switch (s->op) {
+        case NUMBER:
+            *++top = s->number;
+            break;
+        case VARIABLE:
+            *++top = variable[s->variable];
+            break;
+        case CALL1:
+            *top = s->what->one(*top);
+            break;
+        case CALL2:
+            top--, *top = s->what->two(top[0], top[1]);
+            break;
+        case SELECT:
+            top -= 2, *top = top[0] != 0 ? top[1] : top[2];
+            break;
+        }
+    }
+    return *top;
+}
+
+/* ---- at many points ---- */
+
+enum { BLOCK = 128, KEPT_BITS = 9, KEPT = 1 << KEPT_BITS };
+
+/* The last values that a function of the C library gave, by argument. On boxes, waves along and across the axes have
+ * few arguments: there most values are found, and a cosine costs five times what finding it does. */
+struct kept {
+    double argument, value;
+};
+struct operand { /* of a block */
+    bool same;   /* at all points: v[0] */
+    double v[BLOCK];
+};
+
+static void spread_out(struct operand *l, int n) {
+    for (int i = 1; l->same && i < n; i++) l->v[i] = l->v[0];
+    l->same = false;
+}
+
+/* Returns the place in kept[KEPT] of the values of an argument. */
+static struct kept *find(struct kept *kept, double argument) {
+    return &kept[(bits_of(argument) * 0x9e3779b97f4a7c15u) >> (64 - KEPT_BITS)];
+}
+
+static void call_one(const struct expr_operation *o, int n, struct kept *kept, struct operand *a) {
+    if (a->same)
+        a->v[0] = o->one(a->v[0]);
+    else if (o->line)
+        o->line(n, a->v, a->v);
+    else
+        for (int i = 0; i < n; i++) {
+            struct kept none, *k = kept ? find(kept, a->v[i]) : &none;
+            if (!kept || bits_of(k->argument) != bits_of(a->v[i])) *k = (struct kept){a->v[i], o->one(a->v[i])};
+            a->v[i] = k->value;
+        }
+}
+
+/* Calls a function of the library whose second argument is b everywhere. */
+static void call_with(double (*two)(double, double), int n, struct kept *kept, double *a, double b) {
+    for (int i = 0; i < n; i++) {
+        struct kept *k = find(kept, a[i]);
+        if (bits_of(k->argument) != bits_of(a[i])) *k = (struct kept){a[i], two(a[i], b)};
+        a[i] = k->value;
+    }
+}
+
+static void call_two(const struct expr_operation *o, int n, struct kept *kept, struct operand *a, struct operand *b) {
+    if (a->same && b->same) {
+        a->v[0] = o->two(a->v[0], b->v[0]);
+        return;
+    }
+    spread_out(a, n);
+    if (!o->lines && b->same && kept) {
+        call_with(o->two, n, kept, a->v, b->v[0]);
+        return;
+    }
+    spread_out(b, n);
+    if (o->lines) o->lines(n, a->v, b->v, a->v);
+    for (int i = 0; i < n && !o->lines; i++) a->v[i] = o->two(a->v[i], b->v[i]);
+}
+
+static void choose(int n, struct operand *a, struct operand *yes, struct operand *no) {
+    spread_out(a, n);
+    spread_out(yes, n);
+    spread_out(no, n);
+    for (int i = 0; i < n; i++) a->v[i] = a->v[i] != 0 ? yes->v[i] : no->v[i];
+}
+
+static void put(struct operand *l, double number) {
+    l->same = true;
+    l->v[0] = number;
+}
+
+static void load(struct operand *l, int variable, int n, const double *x, double t) {
+    l->same = variable > 2;
+    l->v[0] = variable == 3 ? t : 0;
+    for (int i = 0; i < n && !l->same; i++) l->v[i] = x[3 * i + variable];
+}
+
+/* Is a step the call of a function of the library? */
+static bool calls_library(const struct step *s) {
+    return (s->op == CALL1 && !s->what->line) || (s->op == CALL2 && !s->what->lines);
+}
+
+static void evaluate_block(const struct expr *e, struct operand *stack, struct kept *kept, int n, const double *x,
+                           double t, double *out) {
+    struct operand *top = stack;
+    for (const struct step *s = e->step; s < e->step + e->count; s++) {
+        switch (s->op) {
+        case NUMBER:
+            put(++top, s->number);
+            break;
+        case VARIABLE:
+            load(++top, s->variable, n, x, t);
+            break;
+        case CALL1:
+            call_one(s->what, n, kept, top);
+            break;
+        case CALL2:
+            top--, call_two(s->what, n, kept, top, top + 1);
+            break;
+        case SELECT:
+            top -= 2, choose(n, top, top + 1, top + 2);
+            break;
+        }
+        kept += kept && calls_library(s) ? KEPT : 0;
+    }
+    spread_out(top, n);
+    memcpy(out, top->v, (size_t)n * sizeof *out);
+}
+
+/* Returns room for the values that each call of the library keeps, NULL: there is none, or too few points would use
+ * it. All arguments in it are 0, which is found in the first place alone; so 1 stands there, which is found elsewhere.
+ */
+static struct kept *make_kept(const struct expr *e, long points) {
+    size_t n = 0;
+    for (int i = 0; i < e->count; i++) n += calls_library(&e->step[i]);
+    struct kept *kept = points >= 2 * KEPT && n ? calloc(n * KEPT, sizeof *kept) : NULL;
+    for (size_t i = 0; kept && i < n; i++) kept[i * KEPT].argument = 1;
+    return kept;
+}
+
+void expr_values(const struct expr *e, long n, const double *x, double t, double *out) {
+    struct operand stack[EXPR_STACK + 1];
+    struct kept *kept = make_kept(e, n);
+    for (long at = 0; at < n; at += BLOCK)
+        evaluate_block(e, stack, kept, (int)(n - at < BLOCK ? n - at : BLOCK), x + 3 * at, t, out + at);
+    free(kept);
+}
