@@ -17,35 +17,12 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
 
-from haff.case.units import SI  # noqa: E402
-from haff.case.units import read as units  # noqa: E402, F401
 from haff.command import replacing  # noqa: E402
+from haff.plot.labels import AXES, DIMENSIONS, NAMES, PAPER, SIGNED, axis, unit, units, with_time, with_unit  # noqa: E402, F401
 
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#333333"]  # Okabe & Ito: told apart by all
 FORMATS = ("png", "pdf", "svg")
 SOLID, WALL, RIM = "0.86", "#111111", "0.45"  # what is no gas, walls, other ends of the mesh
-NAMES = {  # name of a field: what it is, its symbol, its colours
-    "alpha": ("packing fraction", r"$\alpha$", "viridis"),
-    "rho": ("density", r"$\rho$", "viridis"),
-    "T": ("temperature", "$T$", "magma"),
-    "p": ("pressure", "$p$", "cividis"),
-    "U": ("velocity", "$U$", "cividis"),
-    "rhoU": ("momentum", r"$\rho U$", "cividis"),
-    "rhoE": ("energy", r"$\rho E$", "magma"),
-    "Ma": ("Mach number", "Ma", "cividis"),
-    "c": ("speed of sound", "$c$", "cividis"),
-    "phi": ("fraction of small grains", r"$\phi$", "cividis"),
-    "vorticity": ("vorticity", r"$\omega$", "viridis"),
-    "gradAlpha": ("gradient of the packing", r"$\nabla\alpha$", "viridis"),
-    "stressRatio": ("friction: shear stress over pressure", r"$|\tau|/p$", "magma"),
-    "Kn": ("Knudsen number", "Kn", "magma"),
-    "limited": ("limited faces", "limited faces", "magma"),
-}
-SIGNED = "RdBu_r"  # for values of both signs
-PAPER = {"mass": "", "length": "cm", "time": "s"}
-DIMENSIONS = {"x": (0, 1, 0), "y": (0, 1, 0), "z": (0, 1, 0), "t": (0, 0, 1), "rho": (1, -3, 0), "alpha": (0, 0, 0), "T": (0, 2, -2),
-              "p": (1, -1, -2), "U": (0, 1, -1), "rhoU": (1, -2, -1), "rhoE": (1, -1, -2), "c": (0, 1, -1), "Ma": (0, 0, 0), "phi": (0, 0, 0)}
-AXES = {"impedance": r"impedance $\rho c_s$ (cm$^{-2}$ s$^{-1}$)"}
 
 plt.rcParams.update({
     "font.family": "serif",
@@ -70,40 +47,6 @@ plt.rcParams.update({
     "savefig.dpi": 150,
     "svg.hashsalt": "haff",  # the same figure gives the same file
 })
-
-
-# ---- units and names ----
-
-def unit(dimensions, of=SI):
-    """The unit of a quantity with exponents of mass, length and time, as "cm$^2$ s$^{-2}$"; empty where it has none, and where the
-    unit of its length or of its time has no name. A mass without a name is that of a grain: 1."""
-    words = []
-    if any(power and not of[name] for name, power in zip(("length", "time"), dimensions[1:3])):
-        return ""
-    for name, power in zip(("mass", "length", "time"), dimensions):
-        if power and of[name]:
-            words.append(of[name] if power == 1 else f"{of[name]}$^{{{power:g}}}$")
-    return " ".join(words)
-
-
-def with_unit(text, dimensions, of=SI):
-    measured = unit(dimensions, of)
-    return f"{text} ({measured})" if measured else text
-
-
-def with_time(time, of=SI):
-    """A time as it stands in a title: t = 0.05 s."""
-    return f"$t$ = {float(time):.6g} {of['time']}".rstrip()
-
-
-def axis(name, of=PAPER):
-    """What stands along an axis: "x", "t", a field."""
-    if name in NAMES and name in DIMENSIONS:
-        return with_unit(" ".join(dict.fromkeys(NAMES[name][:2])), DIMENSIONS[name], of)
-    return with_unit(f"${name}$", DIMENSIONS[name], of) if name in DIMENSIONS else AXES.get(name, name)
-
-
-AXES.update({name: axis(name) for name in DIMENSIONS})
 
 
 # ---- figures ----

@@ -15,7 +15,7 @@ import zlib
 import numpy as np
 
 from haff.case.foam import FormatError
-from haff.plot import figures
+from haff.plot import labels
 
 MAIN = (("alpha", "rho"), ("U",), ("T",), ("p",))  # shown by default: the first of each group that the case has
 KINDS = {"Scalar": 1, "Vector": 3, "SymmTensor": 6}
@@ -39,7 +39,7 @@ class Quantity:
 
     @property
     def symbol(self):
-        text = figures.NAMES.get(self.name, ("", self.name, ""))[1]
+        text = labels.NAMES.get(self.name, ("", self.name, ""))[1]
         if not self.part:
             return text
         inner = text[1:-1] if text.startswith("$") else rf"\mathrm{{{text}}}"
@@ -47,9 +47,9 @@ class Quantity:
 
     @property
     def label(self):
-        about = {"U": "speed"}.get(self.name) if self.part == "mag" else figures.NAMES.get(self.name, ("", "", ""))[0]
+        about = {"U": "speed"}.get(self.name) if self.part == "mag" else labels.NAMES.get(self.name, ("", "", ""))[0]
         text = self.symbol if not about or about == self.symbol else f"{about} {self.symbol}"
-        return figures.with_unit(text, self.dimensions, self.units)
+        return labels.with_unit(text, self.dimensions, self.units)
 
     @property
     def signed(self):
@@ -61,8 +61,8 @@ class Quantity:
         """A map of colours: diverging where the span has both signs."""
         low, high = span or limits(self.values)
         if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
-            return figures.SIGNED
-        return figures.NAMES.get(self.name, ("", "", "viridis"))[2]
+            return labels.SIGNED
+        return labels.NAMES.get(self.name, ("", "", "viridis"))[2]
 
 
 def limits(values):
@@ -139,11 +139,11 @@ def read(case, word, time, component=None, along=None):
     if count == 1:
         if part and part != "mag":
             raise CannotDraw(f"{name} is a scalar and has no component {part}")
-        return Quantity(name, "", dimensions, values, figures.units(case.path))
+        return Quantity(name, "", dimensions, values, labels.units(case.path))
     part = part or along or "mag"
     if part != "mag" and part not in PARTS[count]:
         raise CannotDraw(f"{name} has the components {' '.join(PARTS[count])} and mag, not {part}")
-    return Quantity(name, part, dimensions, component_of(values, part, count), figures.units(case.path))
+    return Quantity(name, part, dimensions, component_of(values, part, count), labels.units(case.path))
 
 
 def component_of(values, part, count):

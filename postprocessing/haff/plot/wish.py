@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from haff.plot import figures, quantity
+from haff.plot import labels, quantity
 from haff.plot.quantity import CannotDraw
 
 
@@ -83,7 +83,7 @@ def spread(names, count):
 
 
 def at_time(case, time):
-    return figures.with_time(time, figures.units(case.path))
+    return labels.with_time(time, labels.units(case.path))
 
 
 def title(case, time=None):
