@@ -18,7 +18,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
 
 from haff.command import replacing  # noqa: E402
-from haff.plot.labels import AXES, DIMENSIONS, NAMES, PAPER, SIGNED, axis, unit, units, with_time, with_unit  # noqa: E402, F401
+from haff.plot.labels import AXES, DIMENSIONS, NAMES, PAPER, SI, SIGNED, axis, unit, units, with_time, with_unit  # noqa: E402, F401
 
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#333333"]  # Okabe & Ito: told apart by all
 FORMATS = ("png", "pdf", "svg")
@@ -32,6 +32,7 @@ plt.rcParams.update({
     "axes.linewidth": 0.6,
     "axes.prop_cycle": matplotlib.cycler(color=COLOURS),
     "axes.titlesize": 9,
+    "axes.titley": 1.0,  # no search for a title.s place, which half the time of drawing went into: nothing stands above axes
     "axes.formatter.limits": (-3, 4),
     "axes.formatter.use_mathtext": True,
     "lines.linewidth": 0.9,

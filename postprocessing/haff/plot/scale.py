@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Colours of values, their bars, and how panels are arranged on a page."""
+import functools
+
 import numpy as np
 from matplotlib import colormaps, colors
+from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.cm import ScalarMappable
 
 from haff.plot import figures, quantity
@@ -108,10 +111,27 @@ def arrange(count, ratio, width=7.2, most=8.0):
     return best[1:]
 
 
+@functools.lru_cache(4)
+def renderer_of(width, height, dpi):
+    return RendererAgg(width, height, dpi)
+
+
+class Canvas(FigureCanvasAgg):
+    """Draws with the renderer of the picture before, where that had the same size: it keeps how texts are laid out, which takes as long as
+    all other work on a picture of a film. What was drawn is there until another figure is drawn."""
+
+    def get_renderer(self, cleared=False):
+        self.renderer = renderer_of(*self.figure.bbox.size, self.figure.dpi)
+        if cleared:
+            self.renderer.clear()
+        return self.renderer
+
+
 def new(rows, columns, width, height, wish):
     """A figure and its axes, of the size that is wished, or of the given one in inches."""
     if wish.size:
         width, height = (n / wish.dpi for n in wish.size)
     figure, axes = figures.plt.subplots(rows, columns, figsize=(width, height), squeeze=False, layout="constrained")
+    Canvas(figure)
     figure.get_layout_engine().set(w_pad=0.04, h_pad=0.04, wspace=0.03, hspace=0.03)
     return figure, axes

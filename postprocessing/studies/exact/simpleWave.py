@@ -44,20 +44,22 @@ class SimpleWave:
         return self.eos.c(rho, T) / rho * self.eos.fundamental_derivative(self.eos.nu(rho)) * slope
 
     def foot(self, x, t):
-        """Where the characteristic through (x, t) began: Newton, kept inside a shrinking bracket."""
-        x = np.asarray(x, float)
+        """Where the characteristic through (x, t) began: Newton, kept inside a shrinking bracket. Each place is looked for once."""
+        shape = np.shape(x)
+        x, where = np.unique(np.asarray(x, float), return_inverse=True)
         ends = self.speed(np.linspace(0, self.length, 4001))
         low, high = x - t * (ends.max() + 1e-9 * abs(ends).max()), x - t * (ends.min() - 1e-9 * abs(ends).max())
-        s = (low + high) / 2
+        s, slack = (low + high) / 2, 1e-12 * self.length  # round-off may lead out of the bracket at its end
         for _ in range(100):
             miss = s + self.speed(s) * t - x
             low, high = np.where(miss <= 0, s, low), np.where(miss >= 0, s, high)
             step = s - miss / (1 + self.speed_slope(s) * t)
-            step = np.where((step < low) | (step > high), (low + high) / 2, step)
-            if np.all(abs(step - s) <= 4e-16 * np.maximum(abs(step), self.length)):
-                break
+            step = np.where((step < low - slack) | (step > high + slack), (low + high) / 2, step)
+            near = np.all(abs(step - s) <= 1e-9 * self.length)  # and this step squares what was left
             s = step
-        return step
+            if near:
+                break
+        return s[where].reshape(shape)
 
     def at(self, x, t):
         """rho, u, p at points x and time t < breaking_time."""
