@@ -485,6 +485,15 @@ static status begin(struct output *o, const char *name, char folder[TIME_PATH]) 
     return decompose_begin(o->parts, name);
 }
 
+/* Brings to the disk what a rank has written into the root's files. The root does so at the end, but may be on another
+ * machine. */
+static status sync_slices(const struct output *o, const char *folder) {
+    const struct foam_format *f = &o->setup->control->format;
+    if (comm_root(o->setup->comm) || !f->binary || f->compress) return OK;
+    const int why = folder_sync(folder);
+    return why ? file_error(folder, "cannot be brought to the disk", why) : OK;
+}
+
 static status write_all(struct output *o, const struct instant *at, char folder[TIME_PATH]) {
     const struct setup *s = o->setup;
     bool root = comm_root(s->comm);
@@ -494,6 +503,8 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     TRY(write_fields(o, &w));
     if (s->medium->type->keep) TRY(s->medium->type->keep(s->medium, &w, &o->sums));
     TRY(o->save(o->context, &w, &o->sums));
+    TRY(comm_agree(s->comm, OK)); /* the root has closed all files and given them their names */
+    TRY(comm_agree(s->comm, sync_slices(o, folder)));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 
