@@ -42,13 +42,16 @@ static void start_alone(void) {
     setenv("OMPI_MCA_pml", "ob1", 0);
     setenv("HWLOC_COMPONENTS", "-linuxio", 0);
     setenv("HWLOC_PLUGINS_PATH", "/dev/null", 0);
-    MPI_Init(NULL, NULL); /* a failure ends the process, which is the default of MPI */
+    int given;
+    MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED,
+                    &given); /* a failure ends the process, which is the default of MPI */
 }
 
 status comm_start(int *argc, char ***argv, struct comm **out) {
     *out = NULL;
     if (!is_launched()) return comm_alone(out);
-    if (MPI_Init(argc, argv) != MPI_SUCCESS)
+    int given; /* threads of background.h call no MPI */
+    if (MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS)
         return fail(ERR_SYSTEM, "MPI did not start; check the installation with: mpirun -np 1 true");
     struct comm *c;
     TRY(allocate(&c, 1, sizeof *c, "the communicator"));

@@ -3,6 +3,7 @@
 #define _GNU_SOURCE /* O_PATH, sync_file_range */
 #include "mesh/format/files.h"
 
+#include "mesh/base/background.h"
 #include "mesh/format/foamfile.h"
 
 #include <dirent.h>
@@ -233,7 +234,7 @@ int folder_make(const char *path) {
 }
 
 /* Does something to each entry of a folder, the descriptor of which is closed; stops at the first errno. */
-static int each_entry(int folder, int (*act)(int at, const char *name)) {
+static int each_entry(int folder, int (*act)(int at, const char *name, void *context), void *context) {
     DIR *list = fdopendir(folder);
     int why = 0;
     if (!list) {
@@ -242,18 +243,19 @@ static int each_entry(int folder, int (*act)(int at, const char *name)) {
         return why;
     }
     for (struct dirent *entry; !why && (entry = readdir(list));)
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0) why = act(folder, entry->d_name);
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+            why = act(folder, entry->d_name, context);
     closedir(list);
     return why;
 }
 
-static int remove_at(int at, const char *name) {
+static int remove_at(int at, const char *name, void *unused) {
     struct stat info;
     if (fstatat(at, name, &info, AT_SYMLINK_NOFOLLOW)) return errno == ENOENT ? 0 : errno;
     if (!S_ISDIR(info.st_mode)) return unlinkat(at, name, 0) ? errno : 0;
     int folder = openat(at, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (folder < 0) return errno;
-    int why = each_entry(folder, remove_at);
+    int why = each_entry(folder, remove_at, unused);
     return why ? why : unlinkat(at, name, AT_REMOVEDIR) ? errno : 0;
 }
 
@@ -261,57 +263,70 @@ int folder_remove(const char *path) {
     const char *name;
     int at = walk_to(path, &name);
     if (at < 0) return errno == ENOENT ? 0 : errno;
-    int why = remove_at(at, name);
+    int why = remove_at(at, name, NULL);
     close(at);
     return why;
 }
 
-/* Brings a file, or a folder's list of names, to the disk. */
-static int sync_one(int at, const char *name) {
-    int file = openat(at, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    int why = file < 0 || fsync(file) ? errno : 0;
-    if (file >= 0 && close(file) && !why) why = errno;
+enum { TOGETHER = 64 };
+struct syncing { /* files, and folders with their lists of names, that are brought to the disk together */
+    int n, file[TOGETHER], why[TOGETHER];
+};
+
+static void sync_one(void *context, int i) {
+    struct syncing *s = context;
+    s->why[i] = fsync(s->file[i]) ? errno : 0;
+    if (close(s->file[i]) && !s->why[i]) s->why[i] = errno;
+}
+
+/* Waits for all at the same time: a disk takes several in hand, and a journal writes one entry for them. */
+static int sync_all(struct syncing *s) {
+    int why = 0;
+    background_each(s->n, sync_one, s);
+    for (int i = 0; i < s->n && !why; i++) why = s->why[i];
+    s->n = 0;
     return why;
 }
 
-static int sync_at(int at, const char *name) {
-    struct stat info;
-    int why = fstatat(at, name, &info, AT_SYMLINK_NOFOLLOW) ? errno : 0;
-    if (!why && S_ISDIR(info.st_mode)) {
-        int folder = openat(at, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-        why = folder < 0 ? errno : each_entry(folder, sync_at);
-    }
-    return why ? why : sync_one(at, name);
-}
-
-static int sync_path(const char *path, int (*sync)(int at, const char *name)) {
-    int at = walk(path, strlen(path), false);
-    if (at < 0) return errno;
-    int why = sync(at, ".");
-    close(at);
-    return why;
-}
-
-/* Lets the system begin to write what a file, or the files of a folder, hold. It may then give all of them their place
- * on the disk at once, and not one by one as each is synced. This is a hint: failures are those of sync_at to report.
- */
-static int begin_at(int at, const char *name) {
-    const int file = openat(at, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    struct stat info;
-    if (file < 0) return 0;
-    if (!fstat(file, &info) && S_ISDIR(info.st_mode)) return each_entry(file, begin_at);
-    (void)sync_file_range(file, 0, 0, SYNC_FILE_RANGE_WRITE);
-    close(file);
+static int gather_one(int at, const char *name, struct syncing *s) {
+    const int why = s->n == TOGETHER ? sync_all(s) : 0;
+    const int file = why ? -1 : openat(at, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) return why ? why : errno;
+    s->file[s->n++] = file;
     return 0;
 }
 
+/* Gathers a file, or a folder with all in it. The system begins to write each file here: it may then give all of them
+ * their place on the disk at once, and not one by one as each is synced. That is a hint, failures are those of sync_one
+ * to report. */
+static int gather(int at, const char *name, void *context) {
+    struct syncing *s = context;
+    struct stat info;
+    int why = gather_one(at, name, s);
+    if (why || fstat(s->file[s->n - 1], &info)) return why ? why : errno;
+    if (!S_ISDIR(info.st_mode)) {
+        (void)sync_file_range(s->file[s->n - 1], 0, 0, SYNC_FILE_RANGE_WRITE);
+        return 0;
+    }
+    const int folder = openat(at, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    return folder < 0 ? errno : each_entry(folder, gather, s);
+}
+
+static int sync_path(const char *path, bool with_all) {
+    struct syncing s = {.n = 0};
+    int at = walk(path, strlen(path), false);
+    if (at < 0) return errno;
+    const int missed = with_all ? gather(at, ".", &s) : gather_one(at, ".", &s), why = sync_all(&s);
+    close(at);
+    return missed ? missed : why;
+}
+
 int folder_sync(const char *path) {
-    (void)sync_path(path, begin_at);
-    return sync_path(path, sync_at);
+    return sync_path(path, true);
 }
 
 int folder_sync_names(const char *path) {
-    return sync_path(path, sync_one);
+    return sync_path(path, false);
 }
 
 /* Finds the first link in a path. */

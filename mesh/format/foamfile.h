@@ -141,7 +141,7 @@ void foam_end_write(struct sink *s); /* the line with which OpenFOAM ends a file
 void foam_list_write_doubles(struct sink *s, const struct foam_format *f, int components, long n, const double *v);
 /* Writes a list of doubles whose entries are spread over the ranks in slices. s, which sink_open gave the root for
  * `path`, is NULL on the others. A binary list that is not zipped is written by all ranks at once, any other one by the
- * root, which gets it in pieces. Collective. */
+ * root, which gets it in pieces. Who needs the file on the disk calls folder_sync on every rank. Collective. */
 status foam_list_write_shared(struct sink *s, const char *path, const struct foam_format *f, int components,
                               const struct share *share, const double *slice);
 void foam_list_write_labels(struct sink *s, const struct foam_format *f, long n, const int *v);

@@ -264,8 +264,7 @@ static status write_pieces(struct sink *s, const struct foam_format *f, int comp
     return OK;
 }
 
-/* Writes bytes into the file of another rank's sink, and brings them to the disk: the root, which does so at the end,
- * may be on another machine. */
+/* Writes bytes into the file of another rank's sink. */
 static status write_at(const char *path, const char *temporary, const char *data, size_t bytes, size_t at) {
     int file, why = file_open_again(temporary, &file);
     if (why) return file_error(path, "cannot write", why);
@@ -279,7 +278,6 @@ static status write_at(const char *path, const char *temporary, const char *data
             why = done ? errno : EIO;
         }
     }
-    if (fsync(file) && !why) why = errno;
     if (close(file) && !why) why = errno;
     return why ? file_error(path, "cannot write", why) : OK;
 }

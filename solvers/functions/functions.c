@@ -312,6 +312,12 @@ status functions_execute(struct functions *f, const struct moment *before, const
     return OK;
 }
 
+bool functions_read_times(const struct functions *f) {
+    bool any = false;
+    for (int i = 0; i < f->n; i++) any |= f->all[i].type->reads_times;
+    return any;
+}
+
 void function_block(const struct function *f, int block, int field, double *lines[3]) {
     for (int c = 0; c < 3; c++) lines[c] = f->block_values + (long)c * f->setup->grid->block[block].ncells;
     f->setup->medium->type->block(f->setup->medium, block, field, lines);

@@ -27,5 +27,7 @@ status functions_save(const struct functions *f, const struct field_writer *w, s
 /* Executes the function objects that are due; before NULL: the start, when all are. name: of the time, for files.
  * Collective. */
 status functions_execute(struct functions *f, const struct moment *before, const struct moment *now, const char *name);
+/* Does one of them read the times that the run writes, as soon as they are written? */
+bool functions_read_times(const struct functions *f);
 
 #endif

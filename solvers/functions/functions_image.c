@@ -288,5 +288,6 @@ const struct function_type function_image = {
     .free = image_free,
     .no_fields = true,
     .with_fields = true,
+    .reads_times = true,
     .save = image_save,
 };

@@ -47,6 +47,7 @@ struct function_type {
     bool no_fields;   /* does it do without `fields`? */
     bool of_patches;  /* does it need a medium that knows what leaves it through patches? */
     bool all_fields;  /* does it take the fields that the medium shows, if it has no `fields`? */
+    bool reads_times; /* does it read the times that are written? */
     bool with_fields; /* is it executed when the fields are written, if nothing else is said? Else after each step */
     /* The hooks of averages, as functions_next, functions_prepare, functions_collect and functions_save; NULL: the type
      * keeps none. next returns its first moment after t; prepare is called at the start of a step that reaches it. */

@@ -4,6 +4,7 @@
 #include "solvers/output/output.h"
 
 #include "libcore/models/boundary.h"
+#include "mesh/base/background.h"
 #include "solvers/case/checksums.h"
 #include "solvers/output/clouds.h"
 #include "solvers/output/decompose.h"
@@ -15,8 +16,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+struct output;
+struct commit { /* a time that is on its way to the disk, by a thread; on the root */
+    struct output *o;
+    struct instant at;
+    char folder[TIME_PATH];    /* where its files are until then */
+    int keep;                  /* purgeWrite */
+    status result;             /* when the thread has ended */
+    struct background *thread; /* NULL: no time is on its way */
+};
 struct output {
     const struct setup *setup;
+    struct commit commit;
     output_saver *save;
     const void *context;         /* of save */
     double last_time;            /* s, of the last time written; NAN: none */
@@ -55,14 +66,6 @@ status output_make(const struct setup *s, output_saver *save, const void *contex
     if (o->parts) o->nparts = o->parts->n;
     comm_broadcast(s->comm, &o->nparts, sizeof o->nparts);
     return OK;
-}
-
-void output_free(struct output *o) {
-    if (!o) return;
-    decompose_free(o->parts);
-    edges_free(o->edges);
-    free(o->name);
-    free(o);
 }
 
 /* ---- values of cells ---- */
@@ -437,8 +440,7 @@ static status write_fields(struct output *o, const struct field_writer *w) {
     return OK;
 }
 
-static status purge(struct output *o, const char *name) {
-    int keep = o->setup->control->purge;
+static status purge(struct output *o, const char *name, int keep) {
     if (time_is_original(&o->setup->start) && !strcmp(name, o->setup->start.name)) return OK; /* the start stays */
     for (int i = 0; i < o->nnames; i++)
         if (!strcmp(o->name[i], name)) return OK; /* the time was written again */
@@ -473,11 +475,7 @@ static status finish(struct output *o, const char *folder, const struct instant 
     snprintf(location, sizeof location, "%s/uniform", at->name);
     TRY(provenance_write(path, location, o->setup));
     TRY(write_grains(o, folder, at->name));
-    TRY(time_stamp_write(folder, at, &o->sums));
-    TRY(case_here(o->setup));
-    TRY(decompose_commit(o->parts, at)); /* parts first: a time of the case is then in all its parts */
-    TRY(time_commit(o->setup->dir, at->name));
-    return purge(o, at->name);
+    return time_stamp_write(folder, at, &o->sums);
 }
 
 static status begin(struct output *o, const char *name, char folder[TIME_PATH]) {
@@ -485,6 +483,15 @@ static status begin(struct output *o, const char *name, char folder[TIME_PATH]) 
     TRY(case_here(o->setup));
     TRY(time_begin(o->setup->dir, name, folder));
     return decompose_begin(o->parts, name);
+}
+
+/* Brings to the disk what a rank has written into the root's files. The root does so at the end, but may be on another
+ * machine. */
+static status sync_slices(const struct output *o, const char *folder) {
+    const struct foam_format *f = &o->setup->control->format;
+    if (comm_root(o->setup->comm) || !f->binary || f->compress) return OK;
+    const int why = folder_sync(folder);
+    return why ? file_error(folder, "cannot be brought to the disk", why) : OK;
 }
 
 static status write_all(struct output *o, const struct instant *at, char folder[TIME_PATH]) {
@@ -496,6 +503,8 @@ static status write_all(struct output *o, const struct instant *at, char folder[
     TRY(write_fields(o, &w));
     if (s->medium->type->keep) TRY(s->medium->type->keep(s->medium, &w, &o->sums));
     TRY(o->save(o->context, &w, &o->sums));
+    TRY(comm_agree(s->comm, OK)); /* the root has closed all files and given them their names */
+    TRY(comm_agree(s->comm, sync_slices(o, folder)));
     return comm_agree(s->comm, root ? finish(o, folder, at) : OK);
 }
 
@@ -508,6 +517,65 @@ static void remove_half(struct output *o, const char *folder) {
     status_free(gone);
 }
 
+/* ---- to the disk ---- */
+
+static status put_in_place(const struct commit *c) {
+    TRY(case_here(c->o->setup));
+    TRY(decompose_commit(c->o->parts, &c->at)); /* parts first: a time of the case is then in all its parts */
+    TRY(time_commit(c->o->setup->dir, c->at.name));
+    return purge(c->o, c->at.name, c->keep);
+}
+
+static void commit(void *context) {
+    struct commit *c = context;
+    c->result = put_in_place(c);
+}
+
+static status fail_writing(struct output *o, const char *folder, const char *name, status e) {
+    if (*folder && comm_root(o->setup->comm)) remove_half(o, folder);
+    return status_note(e, "while writing time %s; earlier times are intact", name);
+}
+
+/* Waits for the time that is on its way to the disk, if there is one. On the root. */
+static status arrive(struct output *o) {
+    struct commit *c = &o->commit;
+    if (!c->thread) return OK;
+    background_finish(c->thread);
+    c->thread = NULL;
+    if (c->result) return fail_writing(o, c->folder, c->at.name, c->result);
+    printf("    written: %s\n", c->at.name);
+    return OK;
+}
+
+bool output_fails(struct output *o) {
+    const struct commit *c = &o->commit;
+    if (!c->thread || !background_ended(c->thread)) return false;
+    if (c->result) return true;
+    status_free(arrive(o));
+    return false;
+}
+
+status output_settle(struct output *o) {
+    return comm_agree(o->setup->comm, comm_root(o->setup->comm) ? arrive(o) : OK);
+}
+
+/* Waits for the time before where the next one needs its place: the same name, or the folders of parts. On the root. */
+static status make_way(struct output *o, const char *name) {
+    return o->parts || !strcmp(o->commit.at.name, name) ? arrive(o) : OK;
+}
+
+/* Sends a time whose files are complete to the disk, behind the time before. On the root. */
+static status hand_over(struct output *o, const struct instant *at, const char *folder) {
+    const status e = arrive(o);
+    if (e) {
+        remove_half(o, folder);
+        return e;
+    }
+    o->commit = (struct commit){.o = o, .at = *at, .keep = o->setup->control->purge};
+    memcpy(o->commit.folder, folder, TIME_PATH);
+    return background_start(commit, &o->commit, &o->commit.thread);
+}
+
 status output_write(struct output *o, double t, long step, double delta_t, char written[TIME_NAME]) {
     const struct setup *s = o->setup;
     const struct control *c = s->control;
@@ -518,12 +586,20 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
     if (digits > o->precision && comm_root(s->comm))
         printf("timePrecision %d would give two times the name of one; it is now %d\n", o->precision, digits);
     o->precision = digits;
+    TRY(comm_agree(s->comm, comm_root(s->comm) ? make_way(o, at.name) : OK));
     status e = write_all(o, &at, folder);
-    if (e) {
-        if (*folder && comm_root(s->comm)) remove_half(o, folder);
-        return status_note(e, "while writing time %s; earlier times are intact", at.name);
-    }
+    if (e) return fail_writing(o, folder, at.name, e);
+    TRY(comm_agree(s->comm, comm_root(s->comm) ? hand_over(o, &at, folder) : OK));
     o->last_time = t;
     memcpy(written, at.name, TIME_NAME);
     return OK;
+}
+
+void output_free(struct output *o) {
+    if (!o) return;
+    status_free(arrive(o)); /* another error ends the run: else output_settle has returned this one */
+    decompose_free(o->parts);
+    edges_free(o->edges);
+    free(o->name);
+    free(o);
 }

@@ -12,8 +12,14 @@ typedef status output_saver(const void *context, const struct field_writer *w, s
 status output_make(const struct setup *s, output_saver *save, const void *context, struct output **out);
 void output_free(struct output *o);
 
-/* Writes a time: the root writes CASE/NAME; `written` becomes NAME (on the root). Collective. */
+/* Writes a time; `written` becomes NAME (on the root). Its files are complete when this returns; a thread of the root
+ * then brings them to the disk as CASE/NAME while the run goes on. At most one time is on its way: the next one waits
+ * behind its own files. "written: NAME" is printed when a time is on the disk. Collective. */
 status output_write(struct output *o, double t, long step, double delta_t, char written[TIME_NAME]);
+/* Prints that, if the time that was on its way is on the disk by now. Returns whether it could not be written, which
+ * output_settle then reports. On the root. */
+bool output_fails(struct output *o);
+status output_settle(struct output *o); /* waits until all times are on the disk. Collective */
 
 /* Writes a quantity into another folder, with all patches calculated: each rank its share of the cells. Collective; w
  * is the same on every rank. */

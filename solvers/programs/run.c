@@ -169,8 +169,7 @@ static status start(struct run *r) {
 static status write_now(struct run *r, char name[TIME_NAME]) {
     TRY(output_write(r->output, r->now.t, r->now.step, r->dt, name));
     r->written_time = r->now.t;
-    if (comm_root(r->setup->comm)) printf("    written: %s\n", name);
-    return OK;
+    return functions_read_times(r->functions) ? output_settle(r->output) : OK;
 }
 
 /* Writes the time 0 if it was read from 0.orig. */
@@ -181,10 +180,11 @@ static status write_original(struct run *r) {
 
 /* Reads a changed controlDict, which replaces the old one; a wrong one is reported and ignored. `functions` stay as
  * they are. */
-static void read_again(struct run *r) {
+static status read_again(struct run *r) {
     struct setup *s = r->setup;
     struct control *changed = NULL;
-    control_stamp(s->control, s->dir); /* a wrong file is reported once */
+    TRY(comm_agree(s->comm, comm_root(s->comm) ? case_here(s) : OK)); /* or the file is another folder's */
+    control_stamp(s->control, s->dir);                                /* a wrong file is reported once */
     status e = control_read(s->dir, s->medium->type->application, &changed);
     if (!e && changed->functions) dict_mark_used(changed->functions);
     if (!e) e = dict_check_used(changed->dict);
@@ -197,18 +197,19 @@ static void read_again(struct run *r) {
         }
         status_free(e);
         control_free(changed);
-        return;
+        return OK;
     }
     control_free(s->control);
     s->control = changed;
     s->warnings.accepted = changed->accepted;
     if (comm_root(s->comm)) printf("system/controlDict has changed and was read again\n");
+    return OK;
 }
 
 /* The answers that only the root knows, for all ranks: clocks, and whether to log, to stop or to read controlDict
  * again. */
 struct word {
-    double signal, log, changed, cpu, clock;
+    double signal, log, changed, cpu, clock, fails;
 };
 static struct word root_says(struct run *r) {
     const struct setup *s = r->setup;
@@ -216,6 +217,7 @@ static struct word root_says(struct run *r) {
     if (comm_root(s->comm)) {
         const double clock = clock_now();
         long steps = r->now.step - s->start.step, every = s->control->log_interval;
+        w.fails = output_fails(r->output);
         w.clock = clock - r->progress.start_clock;
         w.cpu = cpu_now();
         w.log = steps <= 3 || (every ? r->now.step % every == 0 : clock - r->progress.last_log > 1);
@@ -224,7 +226,7 @@ static struct word root_says(struct run *r) {
             r->looked = clock;
         }
     }
-    comm_max(s->comm, &w.signal, 5);
+    comm_max(s->comm, &w.signal, 6);
     return w;
 }
 
@@ -244,6 +246,7 @@ static status after_step(struct run *r, const struct moment *before, const struc
     else
         time_name(c->time_format, c->time_precision, now->t, name);
     TRY(functions_execute(r->functions, before, now, name));
+    if (r->stop) TRY(output_settle(r->output));
     if (r->stop && !ended && comm_root(r->setup->comm)) printf("stopped as asked at time %.10g\n", now->t);
     return OK;
 }
@@ -261,7 +264,8 @@ static status write_last(struct run *r) {
 static status end_early(struct run *r) {
     r->stop = true;
     if (comm_root(r->setup->comm)) printf("stopped as asked at time %.10g, within a step from there\n", r->now.t);
-    return write_last(r);
+    TRY(write_last(r));
+    return output_settle(r->output);
 }
 
 /* Warns of the first step of a fixed deltaT that the time scheme cuts to dt. */
@@ -327,6 +331,7 @@ static status step_once(struct run *r) {
     if (limit == DT_STABLE) TRY(note_cut(r, dt));
     bool event = limit == DT_WRITE || limit == DT_END;
     struct word w = root_says(r);
+    if (w.fails > 0) return output_settle(r->output);
     if (w.log > 0 && limit == DT_COURANT && !pace.limit) m->type->cell(m, e.cell, sizeof e.cell);
     TRY(functions_prepare(r->functions, r->now.t, end));
     m->end = end;
@@ -347,10 +352,7 @@ static status step_once(struct run *r) {
         e.limit = limit_name(&pace, limit, dt < planned, knot < next);
         TRY(log_step(r, &e, print));
     }
-    if (w.changed > 0) {
-        TRY(comm_agree(s->comm, comm_root(s->comm) ? case_here(s) : OK)); /* or it is another folder's */
-        read_again(r);
-    }
+    if (w.changed > 0) TRY(read_again(r));
     timing_lap(&r->timing, LAP_LOG);
     TRY(after_step(r, &before, &w));
     timing_lap(&r->timing, LAP_OUTPUT);
@@ -413,6 +415,7 @@ static status with_case(const char *dir, const struct medium_type *type, struct 
     status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &lock) : OK);
     if (!e) e = read_everything(dir, type, how, c, &r.setup, &r.functions);
     if (!e) e = action(&r);
+    if (!e) e = output_settle(r.output);
     progress_end(&r.progress);
     output_free(r.output);
     functions_free(r.functions);

@@ -7,12 +7,14 @@
  *   power    the same, and what was not brought to the disk (fsync) is lost: contents of files, names in folders
  *   full     from this call on nothing can be created or written: ENOSPC
  *   error    this one call fails: EIO
+ *   slow     each fsync takes N ms, and is done
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -20,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { MOST = 4096 };
@@ -29,6 +32,7 @@ struct unsynced { /* a file whose contents, or a name whose folder, is not on th
     int file;        /* a copy of its descriptor; -1: a name */
     char *from, *to; /* of a rename */
 };
+static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER; /* threads of a program */
 static struct { /* the state of the machine; one per process, hence static */
     long calls;
     int count;
@@ -76,11 +80,11 @@ static void lose_power(void) {
 }
 
 /* 0, or the errno with which the call fails. grows: it takes room on the disk. */
-static int happens(bool grows) {
+static int happen(bool grows) {
     const char *fault = getenv("HAFF_FAULT"), *number = fault ? strchr(fault, ':') : NULL;
     long at = number ? atol(number + 1) : -1;
     disk.calls++;
-    if (at < 0 || disk.calls < at) return 0;
+    if (at < 0 || disk.calls < at || !strncmp(fault, "slow", 4)) return 0;
     if (!strncmp(fault, "full", 4)) return grows ? ENOSPC : 0;
     if (disk.calls > at) return 0;
     if (!strncmp(fault, "error", 5)) return EIO;
@@ -89,7 +93,14 @@ static int happens(bool grows) {
     return EIO;
 }
 
-static void remember(int file, const char *folder_of, const char *from, const char *to) {
+static int happens(bool grows) {
+    pthread_mutex_lock(&one_at_a_time);
+    const int why = happen(grows);
+    pthread_mutex_unlock(&one_at_a_time);
+    return why;
+}
+
+static void note(int file, const char *folder_of, const char *from, const char *to) {
     struct stat info;
     char folder[PATH_MAX] = "";
     if (folder_of) snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(folder_of, '/') - folder_of), folder_of);
@@ -101,10 +112,17 @@ static void remember(int file, const char *folder_of, const char *from, const ch
                                                 from ? strdup(from) : NULL, to ? strdup(to) : NULL};
 }
 
+static void remember(int file, const char *folder_of, const char *from, const char *to) {
+    pthread_mutex_lock(&one_at_a_time);
+    note(file, folder_of, from, to);
+    pthread_mutex_unlock(&one_at_a_time);
+}
+
 static void forget(int file) {
     struct stat info;
     if (fstat(file, &info)) return;
     int kept = 0;
+    pthread_mutex_lock(&one_at_a_time);
     for (int i = 0; i < disk.count; i++) {
         struct unsynced *u = &disk.list[i];
         if (u->inode != info.st_ino || u->device != info.st_dev) {
@@ -116,6 +134,15 @@ static void forget(int file) {
         free(u->to);
     }
     disk.count = kept;
+    pthread_mutex_unlock(&one_at_a_time);
+}
+
+/* Waits as long as a slow disk takes for a call. */
+static void wait_for_disk(void) {
+    const char *fault = getenv("HAFF_FAULT");
+    if (!fault || strncmp(fault, "slow:", 5) != 0) return;
+    const long ms = atol(fault + 5);
+    nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
 }
 
 #define FAIL_IF(grows)                                                                                                 \
@@ -150,6 +177,7 @@ int fsync(int file) {
     REAL(fsync, int, int);
     if (!below_file(file)) return real(file);
     FAIL_IF(false);
+    wait_for_disk();
     forget(file);
     return 0; /* the power cut is ours: the real disk need not be waited for */
 }

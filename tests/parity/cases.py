@@ -289,9 +289,14 @@ DROPPED = re.compile(r"""^haff\ [\d.]+\ \(.*\)\n | ^\ +compiler\ \ .*\n | ^\ +wa
                      | \ +\S+\ collisions/s.* | \ \([\d.e+-]+\ s\) | \d+-\d\d-\d\dT[\d:]+[+-]\d{4}(\ on\ [^,\n]*)?""", re.M | re.X)
 
 
+WRITTEN = re.compile(r"^    written: .*\n", re.M)
+
+
 def plain(text, folder):
-    """The text without what names the build, the time of day, the machine and the folders."""
+    """The text without what names the build, the time of day, the machine and the folders. When a time is on the disk depends on
+    the disk: the lines that say it stand at the end."""
     text = DROPPED.sub("", text)
+    text = WRITTEN.sub("", text) + "".join(WRITTEN.findall(text))
     return text.replace(folder + "/", "").replace(folder, ".").replace(harness.BIN, "BIN")
 
 

@@ -56,6 +56,7 @@ ROOMS = {
 # Libraries and the only files that may include them.
 LIBRARIES = {
     r"mpi\.h": ["mesh/base/comm.c"],
+    r"pthread\.h": ["mesh/base/background.c"],
     r"(p4est|p8est|sc)[_.]": ["mesh/lattice/trees_flat.c", "mesh/lattice/trees_solid.c"],
     r"metis\.h": ["mesh/polyhedral/polyhedra_cut.c"],
     r"petsc": ["libcore/gas/implicit_petsc.c"],

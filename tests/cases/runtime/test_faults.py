@@ -8,6 +8,7 @@ import re
 import shutil
 import signal
 import subprocess
+import time
 import unittest
 import zlib
 
@@ -125,6 +126,48 @@ class Faults(harness.Folder, unittest.TestCase):
                         self.assertRegex(outcome.said, says)
         needs_root = {"a disk of 2 MB", "the case folder is not writable", "becomes unwritable"}
         self.assertLessEqual(self.SAYS.keys() - seen, needs_root)
+
+
+class SlowDisk(harness.Folder, unittest.TestCase):
+    """The run goes on while a time is on its way to the disk."""
+    SLOW = 0.2  # s, that fsync takes
+
+    def test_waits_together(self):
+        """Files are brought to the disk together, beside the run: four times wait less than one by one two of them would."""
+        case = faults.make(self.folder, "together", steps=4)
+        begin = time.monotonic()
+        done = faults.run(case, fault=f"slow:{1000 * self.SLOW:.0f}")
+        took = time.monotonic() - begin
+        self.assertEqual(done.returncode, 0, done.stderr)
+        names = faults.reported(done.stdout)
+        self.assertEqual(names, ["0.0002", "0.0004", "0.0006", "0.0008"])
+        waits = [1 + sum(1 + len(files) for _, _, files in os.walk(os.path.join(case, name))) for name in names]
+        self.assertGreater(min(waits), 10)
+        self.assertLess(took, self.SLOW * sum(waits[:2]))
+        steps = [found.start() for found in re.finditer("^Time = ", done.stdout, flags=re.M)]
+        said = [done.stdout.index(f"    written: {name}\n") for name in names]
+        self.assertTrue(any(a > b for a, b in zip(said, steps[1:])), "no step was taken while a time was on its way")
+        straight = faults.straight_run(self.folder, "straight", steps=4)
+        for name in names:
+            self.assertEqual(runs.contents(os.path.join(case, name)), runs.contents(os.path.join(straight, name)), name)
+
+    def test_killed_before_it_is_said(self):
+        """A time that is on its way when the run is killed is not reported; on one rank and two, which share the folders of parts."""
+        for ranks in (1, 2):
+            case = faults.make(self.folder, f"killed{ranks}", steps=3)
+            if ranks > 1:
+                runs.add(case, CONTROL, "writeProcessors yes;\n")
+            slow = {"LD_PRELOAD": os.path.join(harness.BIN, "faultydisk.so"), "HAFF_FAULT": "slow:500", "HAFF_FAULT_FOLDER": case}
+            command = (GAS,) if ranks == 1 else (os.path.join(harness.BIN, "mpirun"), "-np", "2", GAS)
+            going, text = faults.start(case, 2, "Time =", command, env={**os.environ, **slow}, start_new_session=True)
+            os.killpg(going.pid, signal.SIGKILL)
+            text += going.communicate(timeout=60)[0]
+            for name in faults.reported(text):
+                self.assertTrue(faults.whole(case, name), name)
+            self.assertLess(len(runs.times(case)), 3)
+            again = try_it(case)
+            self.assertEqual((again.returncode, runs.hidden(case)), (0, []), again.stderr)
+            self.assertEqual(runs.times(case)[-1], "0.0006")
 
 
 class Checksums(harness.Folder, unittest.TestCase):
