@@ -11,34 +11,9 @@ from tests.cases import harness
 from tests.cases.grains import test_particles as hard
 from tests.cases.grains import test_walls as walls
 from haff.case import grains  # noqa: E402
+from studies.exact.mixtures import Mixture  # noqa: E402
 
 D = {"x": "wall", "y": "wall"}
-
-
-def contact(d, n, alpha):
-    """chi of pairs of disks: Jenkins & Mancini, J. Appl. Mech. 54 (1987) 27."""
-    return 1 / (1 - alpha) + 9 / 8 * np.pi / 4 * np.sum(n * d) * d[:, None] * d / (d[:, None] + d) / (1 - alpha) ** 2
-
-
-def numbers(d, x, alpha):
-    return alpha / (np.pi / 4 * np.sum(x * d**2)) * x
-
-
-def ratio(d, m, x, e, alpha):
-    """The ratio of the variances of the velocities in a cooling mixture of disks, at which both kinds cool alike: Garzo & Dufty, Phys. Rev. E 60 (1999) 5706, with Maxwellians."""
-    d, m, x, e = map(np.array, (d, m, x, e))
-    n = numbers(d, x, alpha)
-    rate = n * contact(d, n, alpha) * (d[:, None] + d) / 2 * (1 + e)
-    part = m / (m[:, None] + m)  # m_j/(m_i + m_j)
-
-    def cooling(s):
-        return np.sum(rate * part * np.sqrt(s[:, None] + s) * (1 - part / 2 * (1 + e) * (1 + s / s[:, None])), axis=1)
-    low, high = 1e-3, 1e3
-    for _ in range(100):
-        middle = np.sqrt(low * high)
-        first, second = cooling(np.array([middle, 1.0]))
-        low, high = (low, middle) if first > second else (middle, high)
-    return middle
 
 
 def species(d, m, x=(1, 1), more=("", "")):
@@ -61,14 +36,14 @@ class Mixtures(harness.Folder, unittest.TestCase):
         m, e = (8, 1), [[0.9, 0.9], [0.9, 0.9]]
         case = self.case("cooling", species((1, 1), m), size=140.0, e=0.9, end=36, interval=36, control="maxDeltaT 1.7;\n")
         hard.solve(case)
-        exact = ratio((1, 1), m, (0.5, 0.5), e, 0.1)
+        exact = Mixture((1, 1), m, (0.5, 0.5), e, 0.1).variances()
         self.assertAlmostEqual(exact, 0.16957, delta=1e-5)
         found = (column(case, "T_one") / column(case, "T_two"))[column(case, "Time") > 12]
         self.assertGreater(len(found), 13)
         self.assertAlmostEqual(found.mean() / exact, 1, delta=0.04)
         case = self.case("pairs", species((1, 1), (1, 1), more=("restitution 1; with { two 0.9; }", "restitution 0.6;")), size=140.0, e=0.9, end=30, interval=30, control="maxDeltaT 1.5;\n")
         hard.solve(case)
-        exact = ratio((1, 1), (1, 1), (0.5, 0.5), [[1, 0.9], [0.9, 0.6]], 0.1)
+        exact = Mixture((1, 1), (1, 1), (0.5, 0.5), [[1, 0.9], [0.9, 0.6]], 0.1).variances()
         self.assertGreater(exact, 1.15)
         found = (column(case, "T_one") / column(case, "T_two"))[column(case, "Time") > 10]
         self.assertAlmostEqual(found.mean() / exact, 1, delta=0.04)
@@ -81,8 +56,8 @@ class Mixtures(harness.Folder, unittest.TestCase):
         self.assertLess(abs(float(re.findall(r"balance ([-+\d.e]+)", said)[-1])), 1e-12)
         found = harness.haff.Case(case)
         self.assertAlmostEqual(found.field("alpha", "40").mean() / alpha, 1, delta=1e-3)
-        n = numbers(d, np.array([0.5, 0.5]), alpha)
-        chi, sigma = contact(d, n, alpha), (d[:, None] + d) / 2
+        mixture = Mixture(d, m, (0.5, 0.5), [[1, 1], [1, 1]], alpha)
+        n, chi, sigma = mixture.n, mixture.chi, (d[:, None] + d) / 2
         pressure = (n.sum() + np.pi / 2 * np.sum(n[:, None] * n * sigma**2 * chi)) * 1.5  # m T: the mean mass
         self.assertAlmostEqual(found.field("p", "40").mean() / pressure, 1, delta=0.03)
         self.assertAlmostEqual(found.field("T", "40").mean(), 1, delta=0.01)
