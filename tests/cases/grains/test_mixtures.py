@@ -134,13 +134,39 @@ class Mixtures(harness.Folder, unittest.TestCase):
         harness.edit(two, "constant/particleProperties", mass=4)
         self.assertIn("have changed, so counts and averages begin anew", hard.solve(two))
 
+    def test_sheared(self):
+        """Two equal kinds move as one kind does. Of unequal ones energy and work balance, none overlaps another or its images, which move, and T is that of all velocities relative to the shear."""
+        with_shear = dict(alpha=0.4, e=0.9, end=4, interval=4, size=24.0, T=4)
+        alone, alike = (self.case(name, "shearRate 1;\nN 250;\n" + text, **with_shear) for name, text in (("alone", ""), ("alike", species((1, 1), (1, 1)))))
+        case = self.case("sheared", "shearRate 1;\n" + species((1, 0.6), (2, 0.5), (1, 2)), **with_shear)
+        for one in (alone, alike, case):
+            said = hard.solve(one)
+            self.assertLess(abs(float(re.findall(r"balance ([-+\d.e]+)", said)[-1])), 1e-12)
+        a, b = (grains.read(harness.haff.Case(one), "4") for one in (alone, alike))
+        for name in ("x", "U"):
+            np.testing.assert_allclose(a[name], b[name], rtol=0, atol=1e-6)
+        c = grains.read(harness.haff.Case(case), "4")
+        mass = np.where(c["species"] == 0, 2, 0.5)
+        r = c["x"][:, None, :2] - c["x"][None, :, :2]
+        above = np.round(r[..., 1] / 24)
+        r[..., 1] -= 24 * above
+        r[..., 0] -= 24 * 4 * above
+        r[..., 0] -= 24 * np.round(r[..., 0] / 24)
+        gap = np.sqrt((r**2).sum(axis=2)) / (0.5 * (c["d"][:, None] + c["d"])) + 10 * np.eye(len(mass))
+        self.assertTrue(1 - 1e-9 <= gap.min() < 1.05, gap.min())
+        self.assertGreater(np.sum((above != 0) & (gap < 1.2)), 4)
+        u = c["U"][:, :2] - np.outer(c["x"][:, 1] - 12, (1, 0))
+        square = ((u - np.average(u, axis=0, weights=mass)) ** 2).sum(axis=1)
+        self.assertAlmostEqual(column(case, "T")[-1], np.sum(mass * square) / (2 * mass.sum()), delta=1e-9)
+        for k, name in enumerate(("one", "two")):
+            self.assertAlmostEqual(column(case, f"T_{name}")[-1], square[c["species"] == k].mean() / 2, delta=1e-9)
+
     def test_refused(self):
         many = "species {" + "".join(f" k{i} {{ }}" for i in range(9)) + " }\n"
         for n, (particles, text) in enumerate(((many, r"particleProperties:\d+: key 'species' .*8 kinds at most"),
                                                (species((1, 0.5), (1, 1), more=("with { two 1.5; }", "")), r"key 'two' is 1.5; a restitution lies in 0 to 1"),
                                                ("species { a-b { } c { } }\n", r"key 'a-b'.* a kind of grains has a name of letters, digits and _, 40 at most"),
-                                               (species((1, 0.5), (1, 1), more=("", "restitutio 0.5;")), r"keyword 'restitutio' is not used"),
-                                               ("shearRate 1;\n" + species((1, 0.5), (1, 1)), r"grains of a sheared box are of one kind"))):
+                                               (species((1, 0.5), (1, 1), more=("", "restitutio 0.5;")), r"keyword 'restitutio' is not used"))):
             done = harness.program("granularMD", "-case", self.case(f"refused {n}", particles), check=False)
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, text)
