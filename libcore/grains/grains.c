@@ -34,7 +34,6 @@ static status check_box(const struct grain_box *box, const struct grain_law *law
         return fail(ERR_INPUT, "a restitution of %g; it must lie in 0 to 1", law->restitution);
     if (!(law->threshold >= 0))
         return fail(ERR_INPUT, "a threshold of %g m/s; it must not be negative", law->threshold);
-    if (law->kinds.n && box->shear != 0) return fail(ERR_INPUT, "grains of a sheared box are of one kind");
     if (law->kinds.n && box->fed) return fail(ERR_INPUT, "grains that come in are of one kind");
     if (box->facets && 0.5 * d > box->facets->space.reach * (1 + 1e-9))
         return fail(ERR_INPUT, "the walls are made for grains of at most %g m", 2 * box->facets->space.reach);
@@ -441,16 +440,28 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
     for (int k = 0; k < 3; k++) momentum[k] = g->law.mass * sum[k];
 }
 
+/* Returns the velocity along axis 0 of the mean shear at x; 0 in a box that is not sheared. */
+static double shear_at(const struct grains *g, const double x[3]) {
+    return g->box.shear != 0 ? g->box.shear * (x[1] - 0.5 * (g->box.low[1] + g->box.high[1])) : 0;
+}
+
 void grains_kinds_T(const struct grains *g, double T[GRAIN_KINDS]) {
     double kinetic, potential, mean[3], all = 0;
     int count[GRAIN_KINDS] = {0};
     grains_energy(g, &kinetic, &potential, mean);
     for (int k = 0; k < GRAIN_KINDS; k++) T[k] = 0;
-    for (int i = 0; i < g->n; i++) all += is_gone(g, i) ? 0 : grains_mass(g, i);
+    for (int i = 0; i < g->n; i++) {
+        double x[3], u[3];
+        if (is_gone(g, i)) continue;
+        fly(g, &g->grain[i], g->time, x, u);
+        all += grains_mass(g, i);
+        mean[0] -= grains_mass(g, i) * shear_at(g, x);
+    }
     for (int i = 0; i < g->n && g->kind; i++) {
         double x[3], u[3];
         if (is_gone(g, i)) continue;
         fly(g, &g->grain[i], g->time, x, u);
+        u[0] -= shear_at(g, x);
         count[g->kind[i]]++;
         for (int k = 0; k < g->dim; k++) {
             const double away = u[k] - grains_swing(&g->box, k, g->time).v - mean[k] / all;
@@ -461,15 +472,17 @@ void grains_kinds_T(const struct grains *g, double T[GRAIN_KINDS]) {
 }
 
 double grains_thermal(const struct grains *g) {
-    double mean[3] = {0}, square = 0;
+    double mean[3] = {0}, square = 0, all = 0;
+    for (int i = 0; i < g->n; i++) all += g->kind ? g->law.kinds.mass[g->kind[i]] : 1;
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < g->n; i++) {
             double x[3], u[3];
             fly(g, &g->grain[i], g->time, x, u);
-            if (g->box.shear != 0) u[0] -= g->box.shear * (x[1] - 0.5 * (g->box.low[1] + g->box.high[1]));
+            const double part = g->kind ? g->law.kinds.mass[g->kind[i]] : 1;
+            u[0] -= shear_at(g, x);
             for (int k = 0; k < 3; k++) {
-                mean[k] += pass ? 0 : u[k] / g->n;
-                square += pass ? (u[k] - mean[k]) * (u[k] - mean[k]) : 0;
+                mean[k] += pass ? 0 : part * u[k] / all;
+                square += pass ? part * ((u[k] - mean[k]) * (u[k] - mean[k])) : 0;
             }
         }
     return 0.5 * g->law.mass * square;

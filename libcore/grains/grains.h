@@ -160,7 +160,8 @@ const double (*grains_impulses(const struct grains *g))[3]; /* [walls of facets]
 double grains_time(const struct grains *g);
 double grains_mean_size(const struct grain_kinds *k, int dim); /* mean of size^dim over the grains; 1: all alike */
 double grains_mean_mass(const struct grain_kinds *k);          /* mean mass over that of the law */
-/* Sets for each kind the variance of a velocity component (m^2/s^2) about the mean velocity of all. */
+/* Sets for each kind the variance of a velocity component (m^2/s^2) about the mean velocity of all; in a sheared box
+ * that is of the velocities relative to the mean flow. */
 void grains_kinds_T(const struct grains *g, double T[GRAIN_KINDS]);
 double grains_volume(const struct grain_box *box); /* m^3 (disks: m^2) between the walls */
 double grains_bytes(int n, int dim);               /* memory that a run takes, about */

@@ -77,7 +77,7 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
         p->u[k] -= pair.share[0] * du;
         q->u[k] += pair.share[1] * du;
     }
-    if (jump != 0) g->impulse[0][1] -= g->law.mass * factor * r[0] * jump;
+    if (jump != 0) g->impulse[0][1] -= pair.mass * factor * r[0] * jump;
     g->event[a].changes++;
     g->event[b].changes++;
     g->counts.pairs++;

@@ -43,7 +43,7 @@ void grains_shear_wrap(struct grains *g, int i, bool up) {
     const double before = p->u[0];
     p->x[0] = grains_wrap(&g->box, 0, p->x[0] + way * g->box.shear * length * p->t);
     p->u[0] += way * g->box.shear * length;
-    g->impulse[0][0] += 0.5 * g->law.mass * (p->u[0] - before) * (p->u[0] + before);
+    g->impulse[0][0] += 0.5 * grains_mass(g, i) * (p->u[0] - before) * (p->u[0] + before);
     const double q = floor((p->x[0] - c->low[0]) / c->width[0]);
     const int number = (int)fmax(0, fmin(q, c->n[0] - 1));
     g->event[i].cell += number - cell_number(c, g->event[i].cell, 0);
@@ -104,7 +104,7 @@ static double first_touch(const struct passing *w, double d, double period) {
 
 void grains_consider_beyond(struct grains *g, int i, double now, double leaving) {
     const double length = g->box.high[1] - g->box.low[1], period = g->box.high[0] - g->box.low[0];
-    const double jump = g->box.shear * length, pass = now + period / fabs(jump), d = g->law.diameter;
+    const double jump = g->box.shear * length, pass = now + period / fabs(jump);
     const double horizon = fmin(leaving, pass);
     const int side = end_row(g, i), m = occupants_beyond(g, i, side);
     struct grain *p = &g->grain[i];
@@ -121,6 +121,7 @@ void grains_consider_beyond(struct grains *g, int i, double now, double leaving)
         w.r[0] = x[0] - p->x[0] + side * jump * now;
         w.r[1] += side * length;
         w.v[0] += side * jump;
+        const double d = g->law.diameter * grains_pair_size(g, i, j);
         if (!find_span(&w, d, horizon - now)) continue;
         const double t = now + first_touch(&w, d, period);
         if (!(t <= horizon) || !(g->grain[j].impact > t) || t > p->impact || (t == p->impact && j > e->partner))

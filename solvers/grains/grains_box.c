@@ -77,10 +77,8 @@ bool grains_box_is_full(const struct setup *s, const struct grains_models *m) {
     return alike;
 }
 
-/* A sheared box has grains of one kind, is full, and cyclic along all axes. */
+/* A sheared box is full, and cyclic along all axes. */
 static status check_shear(const struct setup *s, const struct grains_models *m, const struct grain_box *b) {
-    if (m->shear != 0 && m->kinds.n)
-        return dict_fail(m->properties, "species", "grains of a sheared box are of one kind; leave out shearRate");
     for (int k = 0; k < b->dim && m->shear != 0; k++)
         if (!b->periodic[k] || !grains_box_is_full(s, m))
             return dict_fail(m->properties, "shearRate",

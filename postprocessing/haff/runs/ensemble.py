@@ -5,7 +5,7 @@
     case.field("alpha", "20"), case.field("alphaError", "20")
 
 Member k is a copy of the case with the seed k in CASE/ensemble/seed=k. The time folders of the case get the means: fields of the usual
-names, as if the windows of all members were one, and NAMEError, the standard error of NAME.
+names, as if the windows of all members were one, and their standard errors: alphaError, alphaError.big of alpha.big.
 """
 import os
 import re
@@ -90,8 +90,11 @@ def write_time(case, members, time):
     dim = 3 - ("empty" in {p.type for p in foam.Field(members[0]._field_path("U", time)).patches().values()})
     for name in names:
         like = foam.Field(members[0]._field_path(name, time))
-        for given, values in zip(("", "Error"), mean_and_error(f, name, dim)):
-            write_field(like, os.path.join(part, name + given), name + given, values, not given)
+        mean, error = mean_and_error(f, name, dim)
+        kind = kind_of(name)
+        error_name = name[:len(name) - len(kind)] + "Error" + kind
+        write_field(like, os.path.join(part, name), name, mean, True)
+        write_field(like, os.path.join(part, error_name), error_name, error, False)
     with open(os.path.join(part, NOTE), "w") as out:
         out.write(foam.header("dictionary", "ensemble", f"{time}/uniform") + f"\nmembers {len(members)};\n")
     shutil.copy2(os.path.join(members[0].path, time, "uniform", "time"), os.path.join(part, "uniform", "time"))

@@ -4,7 +4,7 @@
     haff ensemble CASE -members 8 -cores 2        the same as  granularMD -ensemble 8 -np 2 -case CASE
 
 Member k has the seed k and the folder CASE/ensemble/seed=k. The time folders of the case get the means: fields of the usual names, and
-NAMEError, their standard errors. Ctrl-C stops the members, which write their states; the same command goes on from there, also to a
+their standard errors: alphaError, UError, alphaError.big of alpha.big. Ctrl-C stops the members, which write their states; the same command goes on from there, also to a
 later endTime or with more members. Exit code 1: the case cannot be an ensemble, or a member has failed.
 """
 import os

@@ -32,7 +32,7 @@ class Ensembles(harness.Folder, unittest.TestCase):
         ensemble(case)
         found, runs = haff.Case(case), self.members(case)
         self.assertEqual(found.times, ["0", "2", "4"])
-        self.assertEqual({f.removesuffix("Error") for f in found.fields("4")}, set(runs[0].fields("4")))
+        self.assertEqual({f.replace("Error", "") for f in found.fields("4")}, set(runs[0].fields("4")))
         at = {name: np.array([r.field(name, "4") for r in runs]) for name in runs[0].fields("4")}
         mean = {name: found.field(name, "4") for name in at}
         same = lambda a, b: np.testing.assert_allclose(a, b.mean(axis=0), rtol=1e-12, atol=1e-14)

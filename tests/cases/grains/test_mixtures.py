@@ -11,34 +11,9 @@ from tests.cases import harness
 from tests.cases.grains import test_particles as hard
 from tests.cases.grains import test_walls as walls
 from haff.case import grains  # noqa: E402
+from studies.exact.mixtures import Mixture  # noqa: E402
 
 D = {"x": "wall", "y": "wall"}
-
-
-def contact(d, n, alpha):
-    """chi of pairs of disks: Jenkins & Mancini, J. Appl. Mech. 54 (1987) 27."""
-    return 1 / (1 - alpha) + 9 / 8 * np.pi / 4 * np.sum(n * d) * d[:, None] * d / (d[:, None] + d) / (1 - alpha) ** 2
-
-
-def numbers(d, x, alpha):
-    return alpha / (np.pi / 4 * np.sum(x * d**2)) * x
-
-
-def ratio(d, m, x, e, alpha):
-    """The ratio of the variances of the velocities in a cooling mixture of disks, at which both kinds cool alike: Garzo & Dufty, Phys. Rev. E 60 (1999) 5706, with Maxwellians."""
-    d, m, x, e = map(np.array, (d, m, x, e))
-    n = numbers(d, x, alpha)
-    rate = n * contact(d, n, alpha) * (d[:, None] + d) / 2 * (1 + e)
-    part = m / (m[:, None] + m)  # m_j/(m_i + m_j)
-
-    def cooling(s):
-        return np.sum(rate * part * np.sqrt(s[:, None] + s) * (1 - part / 2 * (1 + e) * (1 + s / s[:, None])), axis=1)
-    low, high = 1e-3, 1e3
-    for _ in range(100):
-        middle = np.sqrt(low * high)
-        first, second = cooling(np.array([middle, 1.0]))
-        low, high = (low, middle) if first > second else (middle, high)
-    return middle
 
 
 def species(d, m, x=(1, 1), more=("", "")):
@@ -61,14 +36,14 @@ class Mixtures(harness.Folder, unittest.TestCase):
         m, e = (8, 1), [[0.9, 0.9], [0.9, 0.9]]
         case = self.case("cooling", species((1, 1), m), size=140.0, e=0.9, end=36, interval=36, control="maxDeltaT 1.7;\n")
         hard.solve(case)
-        exact = ratio((1, 1), m, (0.5, 0.5), e, 0.1)
+        exact = Mixture((1, 1), m, (0.5, 0.5), e, 0.1).variances()
         self.assertAlmostEqual(exact, 0.16957, delta=1e-5)
         found = (column(case, "T_one") / column(case, "T_two"))[column(case, "Time") > 12]
         self.assertGreater(len(found), 13)
         self.assertAlmostEqual(found.mean() / exact, 1, delta=0.04)
         case = self.case("pairs", species((1, 1), (1, 1), more=("restitution 1; with { two 0.9; }", "restitution 0.6;")), size=140.0, e=0.9, end=30, interval=30, control="maxDeltaT 1.5;\n")
         hard.solve(case)
-        exact = ratio((1, 1), (1, 1), (0.5, 0.5), [[1, 0.9], [0.9, 0.6]], 0.1)
+        exact = Mixture((1, 1), (1, 1), (0.5, 0.5), [[1, 0.9], [0.9, 0.6]], 0.1).variances()
         self.assertGreater(exact, 1.15)
         found = (column(case, "T_one") / column(case, "T_two"))[column(case, "Time") > 10]
         self.assertAlmostEqual(found.mean() / exact, 1, delta=0.04)
@@ -81,8 +56,8 @@ class Mixtures(harness.Folder, unittest.TestCase):
         self.assertLess(abs(float(re.findall(r"balance ([-+\d.e]+)", said)[-1])), 1e-12)
         found = harness.haff.Case(case)
         self.assertAlmostEqual(found.field("alpha", "40").mean() / alpha, 1, delta=1e-3)
-        n = numbers(d, np.array([0.5, 0.5]), alpha)
-        chi, sigma = contact(d, n, alpha), (d[:, None] + d) / 2
+        mixture = Mixture(d, m, (0.5, 0.5), [[1, 1], [1, 1]], alpha)
+        n, chi, sigma = mixture.n, mixture.chi, (d[:, None] + d) / 2
         pressure = (n.sum() + np.pi / 2 * np.sum(n[:, None] * n * sigma**2 * chi)) * 1.5  # m T: the mean mass
         self.assertAlmostEqual(found.field("p", "40").mean() / pressure, 1, delta=0.03)
         self.assertAlmostEqual(found.field("T", "40").mean(), 1, delta=0.01)
@@ -159,13 +134,39 @@ class Mixtures(harness.Folder, unittest.TestCase):
         harness.edit(two, "constant/particleProperties", mass=4)
         self.assertIn("have changed, so counts and averages begin anew", hard.solve(two))
 
+    def test_sheared(self):
+        """Two equal kinds move as one kind does. Of unequal ones energy and work balance, none overlaps another or its images, which move, and T is that of all velocities relative to the shear."""
+        with_shear = dict(alpha=0.4, e=0.9, end=4, interval=4, size=24.0, T=4)
+        alone, alike = (self.case(name, "shearRate 1;\nN 250;\n" + text, **with_shear) for name, text in (("alone", ""), ("alike", species((1, 1), (1, 1)))))
+        case = self.case("sheared", "shearRate 1;\n" + species((1, 0.6), (2, 0.5), (1, 2)), **with_shear)
+        for one in (alone, alike, case):
+            said = hard.solve(one)
+            self.assertLess(abs(float(re.findall(r"balance ([-+\d.e]+)", said)[-1])), 1e-12)
+        a, b = (grains.read(harness.haff.Case(one), "4") for one in (alone, alike))
+        for name in ("x", "U"):
+            np.testing.assert_allclose(a[name], b[name], rtol=0, atol=1e-6)
+        c = grains.read(harness.haff.Case(case), "4")
+        mass = np.where(c["species"] == 0, 2, 0.5)
+        r = c["x"][:, None, :2] - c["x"][None, :, :2]
+        above = np.round(r[..., 1] / 24)
+        r[..., 1] -= 24 * above
+        r[..., 0] -= 24 * 4 * above
+        r[..., 0] -= 24 * np.round(r[..., 0] / 24)
+        gap = np.sqrt((r**2).sum(axis=2)) / (0.5 * (c["d"][:, None] + c["d"])) + 10 * np.eye(len(mass))
+        self.assertTrue(1 - 1e-9 <= gap.min() < 1.05, gap.min())
+        self.assertGreater(np.sum((above != 0) & (gap < 1.2)), 4)
+        u = c["U"][:, :2] - np.outer(c["x"][:, 1] - 12, (1, 0))
+        square = ((u - np.average(u, axis=0, weights=mass)) ** 2).sum(axis=1)
+        self.assertAlmostEqual(column(case, "T")[-1], np.sum(mass * square) / (2 * mass.sum()), delta=1e-9)
+        for k, name in enumerate(("one", "two")):
+            self.assertAlmostEqual(column(case, f"T_{name}")[-1], square[c["species"] == k].mean() / 2, delta=1e-9)
+
     def test_refused(self):
         many = "species {" + "".join(f" k{i} {{ }}" for i in range(9)) + " }\n"
         for n, (particles, text) in enumerate(((many, r"particleProperties:\d+: key 'species' .*8 kinds at most"),
                                                (species((1, 0.5), (1, 1), more=("with { two 1.5; }", "")), r"key 'two' is 1.5; a restitution lies in 0 to 1"),
                                                ("species { a-b { } c { } }\n", r"key 'a-b'.* a kind of grains has a name of letters, digits and _, 40 at most"),
-                                               (species((1, 0.5), (1, 1), more=("", "restitutio 0.5;")), r"keyword 'restitutio' is not used"),
-                                               ("shearRate 1;\n" + species((1, 0.5), (1, 1)), r"grains of a sheared box are of one kind"))):
+                                               (species((1, 0.5), (1, 1), more=("", "restitutio 0.5;")), r"keyword 'restitutio' is not used"))):
             done = harness.program("granularMD", "-case", self.case(f"refused {n}", particles), check=False)
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, text)
