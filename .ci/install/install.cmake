@@ -80,6 +80,13 @@ endforeach()
 configure_file(.ci/install/haff.pc.in install/haff.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/install/haff.pc DESTINATION lib/pkgconfig COMPONENT library)
 
+# A wheel for pip, in build/dist.
+add_custom_target(wheel COMMAND /usr/bin/python3 -B ${here}/makeWheel ${CMAKE_BINARY_DIR} ${CMAKE_BINARY_DIR}/dist
+                  DEPENDS ${PROGRAMS} VERBATIM)
+
+# A site of the documents, in build/site.
+add_custom_target(site COMMAND /usr/bin/python3 -B ${CMAKE_SOURCE_DIR}/docs/makeSite ${CMAKE_BINARY_DIR}/site VERBATIM)
+
 # Packages for Debian:  cd build && cpack. What they need of libraries is found by dpkg-shlibdeps.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME haff)

@@ -77,7 +77,8 @@ def called(command, folder, why):
     try:
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
     except FileNotFoundError:
-        raise ValueError(f"{command[0]} is not there: on Debian, apt-get install {os.path.basename(command[0])}") from None
+        name = os.path.basename(command[0])
+        raise ValueError(f"{command[0]} is not there: on Debian, apt-get install {name}" + "; else  pip install gmsh" * (name == "gmsh")) from None
     if done.returncode:
         lines = [line for line in (done.stdout + done.stderr).splitlines() if "rror" in line] or done.stderr.splitlines()[-3:]
         raise ValueError(why + "\n  " + "\n  ".join(re.sub(r"^error: ", "", line) for line in lines))
@@ -96,6 +97,29 @@ def with_merged(geo, folder):
         if os.path.isfile(source) and not os.path.isabs(name) and ".." not in name.split("/"):
             os.makedirs(os.path.dirname(target), exist_ok=True)
             shutil.copy(source, target)
+
+
+CORNERS = {0: [()], 1: [(0,), (1,)], 2: [(0, 0), (1, 0), (1, 1), (0, 1)]}  # of an element, in the order of gmsh
+CORNERS[3] = [(*corner, k) for k in (0, 1) for corner in CORNERS[2]]
+TYPES = {0: 15, 1: 1, 2: 3, 3: 5}  # of gmsh: point, line, quadrangle, hexahedron
+
+
+def box_msh(lengths, cells, names=("left", "right", "bottom", "top", "back", "front")):
+    """The text of a mesh.msh (format 2.2) of the box that `box` describes, for machines without gmsh."""
+    axes = range(len(cells))
+    nodes = 1 + np.arange(np.prod([n + 1 for n in cells])).reshape([n + 1 for n in cells])
+    places = np.stack(np.meshgrid(*(np.linspace(0, length, n + 1) for length, n in zip(lengths, cells)), indexing="ij"), axis=-1).reshape(-1, len(cells))
+    groups = [(name, nodes.take(-(k % 2), axis=k // 2)) for k, name in enumerate(names[:2 * len(cells)])] + [("gas", nodes)]
+    elements = []
+    for group, (_, block) in enumerate(groups, 1):
+        corners = [block[tuple(slice(s, s + n - 1) for s, n in zip(corner, block.shape))].reshape(-1) for corner in CORNERS[block.ndim]]
+        elements += [(TYPES[block.ndim], 2, group, group, *element) for element in np.stack(corners, axis=1).tolist()]
+    section = lambda name, rows: f"${name}\n{len(rows)}\n" + "".join(f"{row}\n" for row in rows) + f"$End{name}\n"
+    at = np.zeros((len(places), 3))
+    at[:, list(axes)] = places
+    return ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + section("PhysicalNames", [f'{block.ndim} {k} "{name}"' for k, (name, block) in enumerate(groups, 1)])
+            + section("Nodes", [f"{k} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(at.tolist(), 1)])
+            + section("Elements", [f"{k} {' '.join(map(str, e))}" for k, e in enumerate(elements, 1)]))
 
 
 def make_msh(folder):

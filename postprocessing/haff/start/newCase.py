@@ -156,12 +156,14 @@ def version():
 
 
 def mesh_of(o, folder):
-    """Puts mesh.geo or mesh.msh into the folder, and makes constant/polyMesh."""
+    """Puts mesh.geo or mesh.msh into the folder, and makes constant/polyMesh. A box needs no gmsh."""
     if o.mesh and o.mesh.endswith(".msh"):
         shutil.copy(o.mesh, os.path.join(folder, "mesh.msh"))
     elif o.mesh:
         geometry.with_merged(o.mesh, folder)
         geometry.make_msh(folder)
+    elif not o.problem and not shutil.which("gmsh"):
+        write(folder, {"./mesh.msh": geometry.box_msh(o.box, o.cells)})
     else:
         write(folder, {"./mesh.geo": o.problem.geo if o.problem else geometry.box(o.box, o.cells)})
         geometry.make_msh(folder)
@@ -185,7 +187,7 @@ def make(o, folder):
     notes = {name: "a wall, for its name says nothing else" for name in unknown}
     if numbers_of.lid:
         notes[numbers_of.lid] = f"{patches.KINDS['outlet']}, for the floor is inclined; else  -patch {numbers_of.lid}=wall"
-    write(folder, texts.files(numbers_of, pairs, notes, version(), not (o.mesh and o.mesh.endswith(".msh"))))
+    write(folder, texts.files(numbers_of, pairs, notes, version(), os.path.exists(os.path.join(folder, "mesh.geo"))))
     if os.path.exists(os.path.join(folder, "system", "meshDict")):
         geometry.make_poly_mesh(folder)
     said = [f"patch    {p.name:<16} {kind[p.name]}: {notes.get(p.name) or patches.KINDS[kind[p.name]]}" for p in found.patches]

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import types
 import unittest
 
@@ -478,6 +479,21 @@ class NewCase(harness.Folder, unittest.TestCase):
                 self.assertRegex(said, says)
                 self.assertNotRegex(said, "Traceback")
                 self.assertFalse(os.path.exists(os.path.join(self.folder, "made")))
+
+    def test_box_without_gmsh(self):
+        """newCase writes the mesh of a box itself where gmsh is missing: cells and patches are those of gmsh's."""
+        for box, cells in (("2", "6"), ("2x1", "6x4"), ("1x2x3", "2x3x4")):
+            made = {}
+            for folder, path in (("with", os.environ["PATH"]), ("without", self.programs)):
+                case = os.path.join(self.folder, box + folder)
+                done = subprocess.run([sys.executable, "-m", "haff.start.newCase", case, "-box", box, "-cells", cells, "-diameter", "0.05"], capture_output=True, text=True,
+                                      env={**os.environ, "HAFF_BIN": harness.BIN, "PATH": path})
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(os.path.exists(os.path.join(case, "mesh.geo")), folder == "with")
+                found = geometry.Geometry(case)
+                made[folder] = (found.cells, found.axes, found.lattice, {(p.name, p.type, p.faces) for p in found.patches},
+                                [round(float(x), 9) for p in sorted(found.patches, key=lambda p: p.name) for x in (*p.normal * p.area, *p.low)])
+            self.assertEqual(made["with"], made["without"], box)
 
     def test_warnings_are_told(self):
         """A case that can run but is probably wrong is written, with checkCase's warning, its file and line."""
