@@ -117,26 +117,8 @@ static double friction_bed(struct problem *p, struct seed *s) {
                  above = seed_power(s, -6, 0), cold = seed_power(s, -4, 0);
     const bool loose = seed_below(s, 2);
     p->size = seed_uniform(s, 0.2, 0.8);
-    p->side[0] =
-        (struct point){.alpha = (loose ? flat : 1 - gap) * smaller(p->densest, p->material.alpha_max), .p = p->p0};
-    p->side[1] = (struct point){.alpha = larger(thin * p->side[0].alpha, 1.01 * p->alpha_floor), .p = above * p->p0};
     p->wave[1][1] = seed_below(s, 2) ? 1 : cold; /* pressure over that which carries the bed */
-    return p->p0 / (problem_density(p, p->side[0].alpha) * p->size);
-}
-
-static void friction_drain(struct problem *p, struct seed *s) {
-    static const char *const kinds[] = {"zeroGradient", "inletOutlet", "fixedValue"};
-    const int hole = p->dim > 1 ? seed_below(s, 2 * p->dim) : 0;
-    p->edge = OPEN_ENDED;
-    p->walls_along = false;
-    for (int i = 0; i < 6; i++) {
-        struct gate *g = &p->gate[i];
-        const int kind = seed_below(s, 3);
-        *g = (struct gate){.density = kinds[kind], .velocity = "zeroGradient", .temperature = kinds[kind]};
-        g->rho = problem_density(p, p->side[1].alpha);
-        g->shut = i != hole;
-        g->T = grains_T(p) * 1e-3;
-    }
+    return bed_lay(p, loose ? flat : 1 - gap, thin, above);
 }
 
 static void friction_scene(struct problem *p, struct seed *s, double pull) {
@@ -152,15 +134,12 @@ static void friction_scene(struct problem *p, struct seed *s, double pull) {
     p->wave[1][2] = seed_uniform(s, 0.1, 0.6); /* width */
     for (int k = 0; k < 3; k++) p->centre[k] = seed_uniform(s, 0.3, 0.7);
     p->material.threshold = seed_chance(s, 0.7) ? slow * fall : 0;
-    if (scene == SHAKEN) {
-        p->source.amplitude = seed_uniform(s, 0.5, 6);
-        p->source.frequency = seed_power(s, -0.5, 1.5) * sqrt(pull);
-        p->source.phase = seed_uniform(s, 0, 6);
-    }
+    if (scene == SHAKEN) bed_shake(p, s, pull);
     p->walls_along = true;
     p->edge = seed_below(s, 2) ? CLOSED : PERIODIC;
     friction_walls(p, s, fall);
-    if (scene == DRAIN) friction_drain(p, s);
+    if (scene == DRAIN) bed_drain(p, s, false);
+    for (int i = 0; i < 6; i++) p->gate[i].T *= 1e-3;
     p->end = falls * sqrt(2 * p->size / pull);
 }
 
@@ -178,6 +157,7 @@ void friction_draw(struct problem *p, struct seed *s) {
     friction_acoustics(p, s);
     p->pattern = scene_of(p) == PATCHES ? 1 + seed_below(s, 4) : 1;
     p->patience = 2;
+    p->steps = 80;
     p->stated = true;
 }
 

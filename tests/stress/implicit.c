@@ -78,20 +78,23 @@ static void implicit_acoustics(struct problem *p, struct seed *s, double pull) {
     model_put(&a->model, &p->acoustics_params, "keep", smaller(larger(keep, 0), 1));
 }
 
+double bed_lay(struct problem *p, double dense, double thin, double above) {
+    const double alpha = dense * smaller(p->densest, p->material.alpha_max);
+    p->side[0] = (struct point){.alpha = alpha, .p = p->p0};
+    p->side[1] = (struct point){.alpha = larger(thin * alpha, 1.01 * p->alpha_floor), .p = above * p->p0};
+    return p->p0 / (problem_density(p, alpha) * p->size);
+}
+
 /* A bed of p0 at its bottom, under thin gas; pull: the gravity that it carries. */
 static double implicit_bed(struct problem *p, struct seed *s) {
     const double flat = seed_uniform(s, 0.3, 0.99), gap = seed_power(s, -4, -0.5), thin = seed_power(s, -7, -1),
-                 above = seed_power(s, -4, 0), pressure = p->p0;
+                 above = seed_power(s, -4, 0);
     const bool loose = seed_below(s, 2);
     p->size = seed_uniform(s, 0.15, 0.8); /* depth, or size of a block */
-    p->side[0] =
-        (struct point){.alpha = (loose ? flat : 1 - gap) * smaller(p->densest, p->material.alpha_max), .p = pressure};
-    p->side[1] = (struct point){.alpha = larger(thin * p->side[0].alpha, 1.01 * p->alpha_floor), .p = above * pressure};
-    return pressure / (problem_density(p, p->side[0].alpha) * p->size);
+    return bed_lay(p, loose ? flat : 1 - gap, thin, above);
 }
 
-/* Only one side is open: the floor, or one beside it. */
-static void implicit_drain(struct problem *p, struct seed *s) {
+void bed_drain(struct problem *p, struct seed *s, bool pressures) {
     static const char *const kinds[] = {"zeroGradient", "inletOutlet", "fixedValue"};
     const int hole = p->dim > 1 ? seed_below(s, 2 * p->dim) : 0;
     p->edge = OPEN_ENDED;
@@ -101,10 +104,16 @@ static void implicit_drain(struct problem *p, struct seed *s) {
         const int kind = seed_below(s, 3);
         *g = (struct gate){.density = kinds[kind], .velocity = "zeroGradient", .temperature = kinds[kind]};
         g->rho = problem_density(p, p->side[1].alpha);
-        g->pressure = seed_below(s, 2);
+        g->pressure = pressures && seed_below(s, 2);
         g->shut = i != hole;
         g->T = g->pressure ? p->side[1].p : grains_T(p);
     }
+}
+
+void bed_shake(struct problem *p, struct seed *s, double pull) {
+    p->source.amplitude = seed_uniform(s, 0.5, 6);
+    p->source.frequency = seed_power(s, -0.5, 1.5) * sqrt(pull);
+    p->source.phase = seed_uniform(s, 0, 6);
 }
 
 /* Rest, block, hit and shaken: how fast what moves does, as a part of the speed of the fall through the depth. */
@@ -119,14 +128,10 @@ static void implicit_scene(struct problem *p, struct seed *s, double pull) {
     for (int k = 0; k < 3; k++) p->centre[k] = seed_uniform(s, 0.3, 0.7);
     const bool still = seed_chance(s, scene == COLLAPSE ? 0.2 : 0.6);
     p->material.threshold = still ? slow * fall : 0;
-    if (scene == SHAKEN) {
-        p->source.amplitude = seed_uniform(s, 0.5, 6);
-        p->source.frequency = seed_power(s, -0.5, 1.5) * sqrt(pull);
-        p->source.phase = seed_uniform(s, 0, 6);
-    }
+    if (scene == SHAKEN) bed_shake(p, s, pull);
     p->walls_along = true;
     p->edge = seed_below(s, 2) ? CLOSED : PERIODIC;
-    if (scene == DRAIN) implicit_drain(p, s);
+    if (scene == DRAIN) bed_drain(p, s, true);
     p->end = falls * sqrt(2 * p->size / pull);
 }
 

@@ -60,6 +60,7 @@ struct problem {
     bool stated;     /* may it end with a stated cause other than a collapse? */
     double duration; /* in time steps of the initial state at maxCo 1: waves cross much of the box */
     double end;      /* s: the end, in place of duration; 0: that counts */
+    int steps;       /* it ends after so many times the first step, if that is sooner than `end`; 0: it does not */
 
     double p0;               /* pressure scale, Pa */
     double direction[3];     /* unit */
@@ -100,6 +101,12 @@ void settled_at(const struct problem *p, const struct place *where, struct point
 void implicit_draw(struct problem *p, struct seed *s);
 void implicit_cells_draw(struct problem *p, struct seed *s);
 void implicit_at(const struct problem *p, const struct place *where, struct point *out);
+/* Their parts, for others: densities and pressures of a bed under thin gas, `dense` times as packed as it may be;
+ * returns the gravity that it carries. One open side, the floor or one beside it, of given pressure at times. Shaken
+ * gravity. */
+double bed_lay(struct problem *p, double dense, double thin, double above);
+void bed_drain(struct problem *p, struct seed *s, bool pressures);
+void bed_shake(struct problem *p, struct seed *s, double pull);
 /* The row with friction (tests/stress/friction.c). */
 void friction_draw(struct problem *p, struct seed *s);
 void friction_at(const struct problem *p, const struct place *where, struct point *out);

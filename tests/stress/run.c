@@ -462,7 +462,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
     const char *limit;
     double t = 0;
     gas_speed(g, &speed);
-    const double end = out->end = s->problem->end > 0 ? s->problem->end : s->problem->duration / speed.rate;
+    double end = s->problem->end > 0 ? s->problem->end : s->problem->duration / speed.rate;
     /* minDeltaTFraction; the first state may be dense already: its own time step is no collapse */
     const double fraction = o->fraction * (speed.loose > 0 ? speed.loose / speed.rate : 1);
     const double fall = fall_of(s);
@@ -480,6 +480,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
         if (!(speed.rate > 0)) return fail(ERR_STATE, "wave speed %g", speed.rate);
         double stable = longest_step(s, scheme, &speed, fall, &limit, &out->beds), dt = smaller(stable, end - t),
                asked = dt;
+        if (out->steps == 0 && s->problem->steps) end = smaller(end, s->problem->steps * stable);
         TRY(gas_step(g, t, &dt, scheme->courant, 0, fraction, &speed));
         out->left = dt == 0;
         if (out->left) break;
@@ -491,6 +492,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
         if (o->verbose) print_step(s, out->steps, t, dt, stable, limit);
         t = t + dt > t ? t + dt : end;
     }
+    out->end = end;
     out->reached = t / end;
     out->rubbed = rubbed.most / larger((double)w->budget.largest, 1e-300);
     out->verdict = is_end(t, end) ? FINISHED : CAPPED;
