@@ -10,15 +10,12 @@
  */
 #include "libcore/lattice/tiles.h"
 
-/* Adds the radial part of a conserved variable. Gas without radial velocity between equal fluxes keeps it to the bit,
- * as skipped cells do: the flux is round-off there, or has an extremum. */
-ALWAYS_INLINE void conserve(int n, double inverse, const double *restrict half, const double *restrict momentum,
-                            const double *restrict low, const double *restrict high, const bool first,
-                            double *restrict sum) {
+/* Adds the radial part of a conserved variable. Between equal cells without radial velocity its fluxes are 0. */
+ALWAYS_INLINE void conserve(int n, double inverse, const double *restrict half, const double *restrict low,
+                            const double *restrict high, const bool first, double *restrict sum) {
     for (int i = 0; i < n; i++) {
         const double part = low[i] * (inverse - half[i]) - high[i] * (inverse + half[i]);
-        const double gain = ((momentum[i] == 0) & (low[i] == high[i])) ? 0 : part;
-        sum[i] = first ? gain : sum[i] + gain;
+        sum[i] = first ? part : sum[i] + part;
     }
 }
 
@@ -45,13 +42,32 @@ KERNEL static void round_row(const struct round_line *l, const struct faces_of_r
             continue;
         }
         if (v != l->radial + 1) {
-            conserve(l->n, ir, l->half, l->momentum, low, high, !axial, sum);
+            conserve(l->n, ir, l->half, low, high, !axial, sum);
             continue;
         }
         for (int i = 0; i < l->n; i++) {
             const double turn = l->swirl ? l->around[0][i] * l->around[1][i] : 0;
             const double gain = (low[i] - high[i]) * ir - 2 * l->half[i] * (l->momentum[i] * l->velocity[i] - turn);
             sum[i] = axial ? sum[i] + gain : gain;
+        }
+    }
+}
+
+/* Cells whose faces are limited: both momenta have the weights of mass and energy, and what a cell's own p and u_s do
+ * on its sides, so that the theorem of schemes/limit.h holds. Angular momentum is not conserved there. */
+static void limit_cells(const struct round_line *l, const struct faces_of_row *radial, const struct faces_of_row *axial,
+                        const double *flag, const double *p, double (*residual)[BATCH]) {
+    const int lines[2] = {l->radial + 1, l->swirl + 1};
+    for (int i = 0; i < l->n; i++) {
+        if (flag[i] == 0) continue;
+        const double around = l->swirl ? l->around[0][i] : 0, speed = l->swirl ? l->around[1][i] : 0;
+        const double side[2] = {p[i] + around * speed, -around * l->velocity[i]};
+        for (int k = 0; k < (l->swirl ? 2 : 1); k++) {
+            const int v = lines[k];
+            const double along = axial ? (axial->low[v][i] - axial->high[v][i]) * axial->inverse : 0;
+            const double across = radial->low[v][i] * (radial->inverse - l->half[i]) -
+                                  radial->high[v][i] * (radial->inverse + l->half[i]);
+            residual[v][i] = along + across + 2 * l->half[i] * side[k];
         }
     }
 }
@@ -69,7 +85,10 @@ void round_residual(const struct gas *g, int tile, const double *U, long offset,
         .half = half,
         .momentum = U + (radial + 1) * g->forest->size + offset,
         .velocity = g->tiles->work.velocity[radial] + offset};
+    const struct faces_of_row *axial = g->dim > 1 ? &f[1 - radial] : NULL;
     (void)row_radius(g, tile, offset, n, half);
     for (int i = 0; i < n; i++) half[i] = 0.5 / half[i];
-    round_row(&l, &f[radial], g->dim > 1 ? &f[1 - radial] : NULL, residual);
+    round_row(&l, &f[radial], axial, residual);
+    if (g->limits.flags.blocks[tile])
+        limit_cells(&l, &f[radial], axial, g->limits.flags.cells[tile] + offset, g->tiles->work.p + offset, residual);
 }

@@ -32,6 +32,10 @@ static struct gate draw_gate(const struct problem *p, struct seed *s) {
     return g;
 }
 
+void gates_draw(struct problem *p, struct seed *s) {
+    for (int i = 0; i < 6; i++) p->gate[i] = draw_gate(p, s);
+}
+
 void open_draw(struct problem *p, struct seed *s) {
     inelastic_box(p, s);
     inelastic_material(p, s);
@@ -41,7 +45,7 @@ void open_draw(struct problem *p, struct seed *s) {
     grains_scene(p, s);
     p->walls_along = p->walls_along && falls;
     p->edge = OPEN_ENDED;
-    for (int i = 0; i < 6; i++) p->gate[i] = draw_gate(p, s);
+    gates_draw(p, s);
     p->duration *= 4;
     p->patience = 4;
     p->stated = true;

@@ -267,6 +267,8 @@ const struct family family_table[FAMILIES] = {
      sections_draw, sections_at},
     {"friction", "packed gas with friction: slopes, columns, heaps, drops, sheared, drained, shaken", friction_draw,
      friction_at},
+    {"round", "the first eight, fields that cool, and open sides as bodies of revolution, with swirl", round_draw,
+     round_at},
 };
 
 int family_find(const char *name) {
@@ -316,7 +318,7 @@ static void draw_box(struct problem *p, struct seed *s) {
 static void draw_automatic(struct problem *p) {
     const struct acoustics *a = acoustics_find("automatic");
     struct seed s = seed_start(200 + p->family, p->seed);
-    if (p->acoustics || !p->eos->bounded || !p->source.cooling || p->material.restitution == 1 ||
+    if (p->acoustics || p->radial >= 0 || !p->eos->bounded || !p->source.cooling || p->material.restitution == 1 ||
         p->material.threshold == 0 || seed_below(&s, 2))
         return;
     p->acoustics = a;
@@ -324,7 +326,7 @@ static void draw_automatic(struct problem *p) {
 }
 
 struct problem problem_draw(int family, uint64_t number) {
-    struct problem p = {.family = family, .seed = number};
+    struct problem p = {.family = family, .seed = number, .radial = -1};
     struct seed s = seed_start(family, number);
     draw_box(&p, &s);
     draw_material(&p, &s);

@@ -37,6 +37,10 @@ struct problem {
     int dim, n[3], cells;
     int components; /* of the velocity, if more than dim; else 0 */
     bool polyhedral;
+    int radial;    /* axis along the radius of a body of revolution; -1: the box is what it is */
+    double inner;  /* m: radius of its first faces; 0: they lie on the axis */
+    int swirl;     /* component around the axis; 0: none */
+    bool mirrored; /* is it the mirror image along the axis? */
     enum edge edge;
     enum shape shape; /* polyhedral: */
     double noise, stretch, squash, sliver;
@@ -70,7 +74,7 @@ struct problem {
     double wave[MAX_VAR][6]; /* phases and amplitudes of random fields */
 };
 
-enum { FAMILIES = 22 };
+enum { FAMILIES = 23 };
 struct family {
     const char *name, *about;
     void (*draw)(struct problem *p, struct seed *s);
@@ -95,6 +99,7 @@ void inelastic_walls(struct problem *p, struct seed *s);
 void open_draw(struct problem *p, struct seed *s);
 void extreme_draw(struct problem *p, struct seed *s);
 void extreme_at(const struct problem *p, const struct place *where, struct point *out);
+void gates_draw(struct problem *p, struct seed *s);
 void settled_draw(struct problem *p, struct seed *s);
 void settled_at(const struct problem *p, const struct place *where, struct point *out);
 /* Rows with implicit acoustics (tests/stress/implicit.c). */
@@ -110,6 +115,11 @@ void bed_shake(struct problem *p, struct seed *s, double pull);
 /* The row with friction (tests/stress/friction.c). */
 void friction_draw(struct problem *p, struct seed *s);
 void friction_at(const struct problem *p, const struct place *where, struct point *out);
+/* The row of bodies of revolution (tests/stress/round.c). */
+void round_draw(struct problem *p, struct seed *s);
+void round_at(const struct problem *p, const struct place *where, struct point *out);
+/* The mirror image along the axis of one with cells along it: walls slip. */
+struct problem problem_mirrored(const struct problem *p);
 
 struct problem problem_draw(int family, uint64_t seed);
 /* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */

@@ -25,7 +25,7 @@ struct scene { /* the mesh and the gas of a problem */
 };
 
 static bool is_periodic(const struct problem *p, int axis) {
-    return p->edge == PERIODIC && !(axis == 0 && p->walls_along);
+    return p->edge == PERIODIC && axis != p->radial && !(axis == 0 && p->walls_along);
 }
 
 static void set_wall(const struct wall *w, int axis, struct patch_rules *rules) {
@@ -73,7 +73,8 @@ static void set_models(struct scene *s, const struct scheme *scheme, const struc
                                     .acoustics_params = p->acoustics_params,
                                     .alpha_floor = p->alpha_floor,
                                     .skip_uniform = !o->full,
-                                    .components = p->components};
+                                    .components = p->components,
+                                    .swirl = p->swirl};
     set_linear(&s->models);
     for (int i = 0; i < 6; i++) {
         bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along) && !p->gate[i].shut;
@@ -111,6 +112,13 @@ static void spoil_points(const struct problem *p, struct polymesh *m, double sli
         if (factor > 1) x[0] = (power(factor, place) - 1) / (power(factor, p->n[0]) - 1);
         for (int k = 1; k < p->dim; k++) x[k] /= p->squash;
     }
+}
+
+/* Radial cells stand for a body around the third axis. */
+static struct revolution round_of(const struct problem *p) {
+    if (p->radial < 0) return (struct revolution){.on = false};
+    return (struct revolution){
+        .on = true, .axial = p->dim == 2 ? 1 - p->radial : 2, .radial = p->radial, .at = -p->inner, .depth = 1};
 }
 
 static status sort_cyclic(const struct problem *p, struct polymesh *m) {
@@ -157,6 +165,7 @@ static status make_polyhedra(struct scene *s) {
     }
     TRY(fault);
     struct polymesh *m = s->sample.mesh;
+    m->round = round_of(s->problem);
     double *face;
     s->cells = m->ncells;
     TRY(allocate(&face, 6L * m->nfaces, sizeof *face, "faces"));
@@ -176,6 +185,7 @@ static status make_lattice(struct scene *s) {
     const double length[3] = {1, 1 / p->squash, 1 / p->squash};
     const bool wrapped[3] = {is_periodic(p, 0), is_periodic(p, 1), is_periodic(p, 2)};
     TRY(box_make(&s->box, p->dim, p->n, length, wrapped));
+    s->box.mesh.round = round_of(p);
     s->cells = s->box.mesh.ncells;
     return forest_make(&s->box.lattice, &s->box.mesh, s->comm, p->dim == 1 ? 16 : p->dim == 2 ? 8 : 4, &s->forest);
 }
@@ -206,11 +216,17 @@ static void scene_free(struct scene *s) {
     free(s->centre);
 }
 
-static void place_of(const struct scene *s, int cell, double x[3]) {
+/* The other cell of a lattice along axis 1 - radial. */
+static long mirror_cell(const struct problem *p, long cell) {
+    const int axial = 1 - p->radial, stride = axial ? p->n[0] : 1, at = (int)(cell / stride % p->n[axial]);
+    return cell + (long)stride * (p->n[axial] - 1 - 2 * at);
+}
+
+static void place_of(const struct scene *s, long cell, double x[3]) {
     const struct problem *p = s->problem;
-    const int at[3] = {cell % p->n[0], cell / p->n[0] % p->n[1], cell / p->n[0] / p->n[1]};
+    const long at[3] = {cell % p->n[0], cell / p->n[0] % p->n[1], cell / p->n[0] / p->n[1]};
     for (int k = 0; k < 3; k++) {
-        x[k] = s->centre ? s->centre[3 * cell + k] * (k > 0 ? p->squash : 1) : (at[k] + 0.5) / p->n[k];
+        x[k] = s->centre ? s->centre[3 * cell + k] * (k > 0 ? p->squash : 1) : ((double)at[k] + 0.5) / p->n[k];
         x[k] = smaller(larger(x[k], 0), 1 - 1e-12);
     }
 }
@@ -222,14 +238,30 @@ static status fill(struct scene *s, double *packed) {
     for (int k = 0; k < 3; k++) u[k] = all + (2 + k) * n;
     for (int i = 0; i < n; i++) {
         double x[3], v[3];
-        place_of(s, i, x);
+        place_of(s, s->problem->mirrored ? mirror_cell(s->problem, i) : i, x);
         problem_state(s->problem, x, &all[i], v, &all[n + i]);
+        if (s->problem->mirrored) v[1 - s->problem->radial] = -v[1 - s->problem->radial];
         *packed = larger(*packed, all[i] / s->gas->limits.most);
         for (int k = 0; k < 3; k++) u[k][i] = v[k];
     }
     status e = gas_set(s->gas, all, (const double *const *)u, all + n);
     free(all);
     return e;
+}
+
+static uint64_t hash_on(uint64_t hash, double value) {
+    return (hash ^ bits_of(value)) * 1099511628211u;
+}
+
+/* The checksum that a problem and its mirror image have in common; 0 + x makes -0 to 0. */
+static uint64_t image_of(const struct problem *p, long n, double *const U[MAX_VAR], int variables) {
+    uint64_t hash = 1469598103934665603u;
+    for (int v = 0; v < variables; v++)
+        for (long i = 0; i < n; i++) {
+            const double value = U[v][p->mirrored ? mirror_cell(p, i) : i];
+            hash = hash_on(hash, 0 + (p->mirrored && v == 2 - p->radial ? -value : value));
+        }
+    return hash;
 }
 
 /* Root's state and its checksum (FNV-1a), the same on all ranks. */
@@ -241,8 +273,8 @@ static status look_at_end(const struct scene *s, struct outcome *out) {
     status e = gas_get_conserved(s->gas, U);
     comm_broadcast(s->comm, all, (long)sizeof *all * MAX_VAR * n);
     out->checksum = 1469598103934665603u;
-    for (long i = 0; i < gas_variables(s->gas) * n; i++)
-        out->checksum = (out->checksum ^ bits_of(all[i])) * 1099511628211u;
+    for (long i = 0; i < gas_variables(s->gas) * n; i++) out->checksum = hash_on(out->checksum, all[i]);
+    if (s->forest && s->problem->radial >= 0) out->image = image_of(s->problem, n, U, gas_variables(s->gas));
     for (long i = 0; i < n; i++) out->packed = larger(out->packed, all[i] / limit);
     free(all);
     return e;
@@ -285,25 +317,34 @@ static double dilated(const struct scene *s) {
     return known ? b.gained[GAS_DILATION] : NAN;
 }
 
+/* Radial momentum is not conserved: p pushes on the sides of each sector. Around the axis, and along it where cells lie
+ * along the radius alone, walls slip. */
+static bool keeps_momentum(const struct problem *p, int component) {
+    if (p->radial < 0) return is_periodic(p, component);
+    return component >= p->dim || (component != p->radial && is_periodic(p, component));
+}
+
+enum { ANGULAR = CONSERVED }; /* of the sums of a budget */
 static void judge_budget(const struct scene *s, const struct watch *w, struct outcome *out) {
     const struct problem *p = s->problem;
     const struct budget *b = &w->budget;
     const bool closed = p->edge != OPEN_ENDED;
     const struct exchange e = exchange_of(s);
     const long double each = ROUNDINGS * EPS * (p->through > 0 ? p->through : 1);
-    const long double bound[3] = {each * b->rounding[0], each * b->rounding[1], each * b->rounding[2]};
     for (int q = 0; q < CONSERVED; q++) out->drift[q] = out->relative[q] = -1;
     const int components = p->components ? p->components : p->dim;
     for (int v = 0; v < components + 2; v++) {
         int q = v == 0 ? MASS : v <= components ? MOMENTUM : ENERGY;
-        if (!closed || (q == MOMENTUM && (!is_periodic(p, v - 1) || e.drag || out->counts.filled))) continue;
+        const int i = p->swirl && v == p->swirl + 1 ? ANGULAR : q;
+        if (!closed || (q == MOMENTUM && (!keeps_momentum(p, v - 1) || e.drag || out->counts.filled))) continue;
+        if (i == ANGULAR && out->counts.cells) continue; /* limited cells do without */
         if (q == ENERGY && e.work) continue;
         long double gain = b->gain[v] + (q == ENERGY ? out->counts.energy + dilated(s) : 0); /* counts: of the floor */
         if (q != MOMENTUM) gain += out->counts.fill[q == ENERGY];
         long double off = b->now[v] - b->start[v] - gain;
         off = q == ENERGY && e.loss && off < 0 ? 0 : fabsl(off);
-        out->drift[q] = fmax(out->drift[q], (double)(off / bound[q]));
-        out->relative[q] = fmax(out->relative[q], (double)(off / b->magnitude[q]));
+        out->drift[q] = fmax(out->drift[q], (double)(off / (each * b->rounding[i])));
+        out->relative[q] = fmax(out->relative[q], (double)(off / b->magnitude[i]));
     }
 }
 
@@ -353,10 +394,13 @@ static void judge_bed(const struct scene *s, const struct watch *w, struct outco
     }
     const long double mass = w->budget.now[0] - w->budget.start[0] - b.filled - b.flowed;
     double strayed = 0;
-    for (int k = 0; k < s->gas->components; k++) strayed = larger(strayed, fabs(b.strayed[k]));
+    for (int k = 0; k < s->gas->components; k++)
+        if (k != s->problem->radial && !(s->problem->swirl && k == s->problem->swirl))
+            strayed = larger(strayed, fabs(b.strayed[k]));
     out->relative[MOMENTUM] = (double)(strayed / w->budget.magnitude[1]);
     const double steps = BED_ROUNDINGS * EPS * (out->steps + 1.), scale = larger((double)w->budget.largest, booked(&b));
-    out->relative[MASS] = (double)(fabsl(mass) / w->budget.start[0]);
+    const long double held = w->budget.now[0] > w->budget.start[0] ? w->budget.now[0] : w->budget.start[0];
+    out->relative[MASS] = (double)(fabsl(mass) / (fabsl(b.flowed) > held ? fabsl(b.flowed) : held));
     out->relative[ENERGY] = fabs(b.lost[1]) / scale;
     out->drift[MASS] = out->relative[MASS] / smaller(steps, 1e-12);
     out->drift[MOMENTUM] = (double)(strayed / (BED_ROUNDINGS * EPS * w->budget.rounding[1]));
@@ -372,12 +416,17 @@ static void judge_bed(const struct scene *s, const struct watch *w, struct outco
     set_verdict(out, FAILED, why);
 }
 
+/* A round body with open sides: by its budget, too. */
+static bool is_open(const struct problem *p) {
+    return p->radial >= 0 && p->edge == OPEN_ENDED;
+}
+
 static void judge(const struct scene *s, const struct run_options *o, const struct watch *w, struct outcome *out) {
     char why[200];
     if (out->verdict == COLLAPSED && !may_collapse(s->problem, out)) out->verdict = FAILED;
     if (out->verdict == STATED && !s->problem->stated) out->verdict = FAILED;
     if (o->bare || comm_size(s->comm) > 1 || out->verdict == FAILED) return;
-    if (s->gas->dense) {
+    if (s->gas->dense || is_open(s->problem)) {
         judge_bed(s, w, out);
         return;
     }
@@ -506,7 +555,7 @@ static status run(struct scene *s, const struct scheme *scheme, const struct run
     TRY(fill(s, &out->packed_at_first));
     TRY(gas_check(s->gas));
     if (!o->bare) TRY(watch_start(&w, s->gas));
-    if (!o->bare && (dilates(s) || s->gas->dense)) TRY(gas_audit(s->gas));
+    if (!o->bare && (dilates(s) || s->gas->dense || is_open(s->problem))) TRY(gas_audit(s->gas));
     status e = advance(s, scheme, o, &w, out);
     status ended = look_at_end(s, out);
     out->cells = s->cells;
@@ -557,10 +606,31 @@ static status compare_restart(const struct problem *p, const struct scheme *sche
     return OK;
 }
 
+/* No bit changes by a restart, by skipping, and in the mirror. */
+static status compare_round(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
+                            const struct comm *c, struct outcome *out) {
+    const struct problem mirror = problem_mirrored(p);
+    struct run_options again = *o;
+    struct outcome second;
+    again.bare = true;
+    if (out->steps > 1 && !out->left) TRY(compare_restart(p, scheme, o, c, out));
+    if (p->polyhedral || out->verdict == FAILED) return OK;
+    again.full = true;
+    TRY(run_scene(p, scheme, &again, c, &second));
+    if (second.checksum != out->checksum || second.steps != out->steps)
+        set_verdict(out, FAILED, "uniform regions that are computed change the bits");
+    if (p->dim < 2 || out->verdict == FAILED) return OK;
+    TRY(run_scene(&mirror, scheme, &again, c, &second));
+    if (second.image != out->image || second.steps != out->steps)
+        set_verdict(out, FAILED, "the mirror image has other bits");
+    return OK;
+}
+
 status stress_run(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
                   const struct comm *c, struct outcome *out) {
     TRY(run_scene(p, scheme, o, c, out));
     if (o->explicit || o->bare || out->verdict == FAILED) return OK;
+    if (p->radial >= 0) return compare_round(p, scheme, o, c, out);
     if (p->friction && out->steps > 1 && !out->left) return compare_restart(p, scheme, o, c, out);
     return p->acoustics && !p->friction && !out->beds ? compare_explicit(p, scheme, o, c, out) : OK;
 }

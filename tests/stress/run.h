@@ -38,6 +38,7 @@ struct outcome {
     double rubbed;              /* the most energy that friction gave, over the largest that there was */
     double source;              /* worst difference of a source step from the exact one, in units of its bound */
     uint64_t checksum;          /* of the last state */
+    uint64_t image;             /* on round lattices: the same in the mirror image */
 };
 /* A status is an error of the test itself: a mesh that cannot be made. */
 status stress_run(const struct problem *p, const struct scheme *s, const struct run_options *o, const struct comm *c,

@@ -137,6 +137,9 @@ static void print_outcome(const struct problem *p, const struct scheme *s, const
                (double)o->counts.newton / larger((double)o->counts.beds, 1),
                (double)o->counts.linear / larger((double)o->counts.newton, 1), o->counts.lifted);
     if (p->friction) print_friction(p, o);
+    if (p->radial >= 0)
+        printf("  round, radius along axis %d from %.3g, swirl %.3g\n", p->radial, p->inner,
+               p->swirl ? p->wave[4][p->swirl] : 0);
     if (p->transport) print_transport(p, o);
     if (o->why[0]) printf("  %s\n", o->why);
 }

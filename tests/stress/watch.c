@@ -33,12 +33,20 @@ struct case_reading { /* of a state */
     void *context;
 };
 
+/* Volumes of round bodies are those of the full turn, as in budgets. */
+static double volume_of(const struct gas *g, int block, long at) {
+    const struct forest *f = g->forest;
+    const struct polyhedra *m = f ? NULL : g->cells->polyhedra;
+    if (m) return m->volume[at] * (m->round.radial >= 0 ? m->thickness : 1);
+    return f->volume * (f->radial < 0 ? 1 : forest_radius(f, forest_place_along(f, block, at, f->radial) + 0.5));
+}
+
 static void read_place(void *context, long cell, int block, long at) {
     const struct case_reading *r = context;
     const struct gas *g = r->g;
     double U[MAX_VAR];
     for (int v = 0; v < g->nvar; v++) U[v] = r->s->block[block][v * g->size + at];
-    r->visit(r->context, cell, g->forest ? g->forest->volume : g->cells->polyhedra->volume[at], U);
+    r->visit(r->context, cell, volume_of(g, block, at), U);
 }
 
 void watch_cells(const struct gas *g, const struct state *s, watch_visitor *visit, void *context) {
@@ -91,8 +99,15 @@ static void look_on(struct watch *w, struct gas *g, const struct state *s) {
 
 struct census {
     const struct gas *g;
-    long double sum[MAX_VAR], magnitude[3];
+    long double sum[MAX_VAR], magnitude[4];
 };
+
+/* The arm of the angular momentum of a cell of a round lattice: the integral of r^2 over that of r. */
+static long double arm_of(const struct gas *g, double volume) {
+    if (!g->models.swirl) return 0;
+    const long double r = volume / g->forest->volume, h = g->forest->width[g->forest->radial];
+    return r + h * h / (4 * r);
+}
 
 /* What one stage rounds is a multiple of eps times the variables and times dt/h fluxes; the Courant number bounds the
  * latter by rho, rho (|u| + c) and E + p. */
@@ -103,9 +118,12 @@ static void tally_visit(void *context, long cell, double volume, const double U[
     (void)cell;
     g->models.eos->state(&g->models.material, 1, U, &eps, &p, &c2, &gruneisen);
     long double speed = sqrtl(2 * kinetic(g->components, U) / U[0]) + sqrtl(c2);
-    for (int v = 0; v < g->nvar; v++) t->sum[v] += (long double)volume * U[v];
+    const long double arm = arm_of(g, volume);
+    for (int v = 0; v < g->nvar; v++)
+        t->sum[v] += (long double)volume * U[v] * (g->models.swirl && v == g->models.swirl + 1 ? arm : 1);
     t->magnitude[0] += (long double)volume * U[0];
     t->magnitude[1] += volume * U[0] * speed;
+    t->magnitude[3] += volume * U[0] * speed * arm;
     t->magnitude[2] += (long double)volume * (U[g->components + 1] + p);
 }
 
@@ -116,7 +134,7 @@ static void tally(struct watch *w, const struct gas *g) {
     struct census t = {.g = g};
     watch_cells(g, &g->U, tally_visit, &t);
     memcpy(w->budget.now, t.sum, sizeof t.sum);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         w->budget.magnitude[i] = t.magnitude[i];
         w->budget.largest = t.magnitude[2] > w->budget.largest ? t.magnitude[2] : w->budget.largest;
         w->budget.rounding[i] += (g->models.stepper->stages + (w->ends > FEW ? w->ends - FEW : 0)) * t.magnitude[i];

@@ -6,13 +6,14 @@
 
 #include "libcore/gas/gas_private.h"
 
-struct budget { /* sums over the domain of mass, momentum, energy */
+struct budget { /* sums over the domain of mass, momentum (around an axis: angular momentum), energy */
     long double now[MAX_VAR], start[MAX_VAR];
     long double gained[2][MAX_VAR];   /* by the two halves of the sources of the step in hand */
     long double weighed[10][MAX_VAR]; /* by gravity in its stages */
     long double gain[MAX_VAR];        /* by both in all steps that were accepted */
-    long double rounding[3];  /* what a step may lose: magnitudes of mass, momentum, energy, summed over stages */
-    long double magnitude[3]; /* of the start */
+    /* Of mass, momentum, energy and angular momentum: */
+    long double rounding[4];  /* what a step may lose: magnitudes, summed over stages */
+    long double magnitude[4]; /* of the start */
     long double largest;      /* of energy, in any step */
 };
 struct watch {

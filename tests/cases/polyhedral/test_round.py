@@ -258,10 +258,14 @@ class Round(harness.Folder, unittest.TestCase):
         rows = (("oblique", {"axis": "1 1 0"}, "lie along x, y or z"), ("across the plane", {"axis": "0 0 1"}, "in the plane of the mesh"),
                 ("cyclic", {"types": {"x": "wall", "y": "cyclic"}}, "cyclic across the radius"),
                 ("no symmetry plane", {"types": {**CAN, "yLow": "wall"}}, "type symmetryPlane"),
+                ("line", {"axis": "0 1 0", "types": {"yLow": "symmetryPlane", "yHigh": "wall"}, "n": (1, 8, 1)}, "there is no radius"),
+                ("solid", {"types": {a: "wall" for a in "xyz"}, "n": (2, 4, 8)}, "mesh half a section"),
                 ("gravity", {"gravity": (0.0, -1.0, 0.0)}, "let it act along the axis"))
         for name, options, cure in rows:
             with self.subTest(name):
-                self.refuses(self.case("no " + name, (8, 8, 1), rho, u, p, 0.1, **options), cure)
+                n = options.pop("n", (8, 8, 1))
+                cells = slice(int(np.prod(n)))
+                self.refuses(self.case("no " + name, n, rho[cells], [part[cells] for part in u], p[cells], 0.1, **options), cure)
         for name, text, cure in (("across the axis", "origin (0 0.5 0);", "mesh the half"), ("below it", "origin (0 2 0);", "mirror it"),
                                  ("unknown key", "orign (0 0 0);", "'orign'")):
             with self.subTest(name):

@@ -26,18 +26,20 @@ def write(folder, name, head, rows):
         f.write(f"{head}\n{len(rows)}\n(\n" + "\n".join(rows) + "\n)\n")
 
 
-def to_wedge(case, hollow=0.0, angle=ANGLE, turn=0.0, axis=""):
+def to_wedge(case, hollow=0.0, angle=ANGLE, turn=0.0, axis="", lean=0.0, bend=0.0, sides=("wedge", "wedge")):
     """Bends the box, z across, about the x axis; at hollow = 0 the cells there are collapsed. turn: of the middle plane. axis: an entry of the
-    boundary, without faces."""
+    boundary, without faces. lean: angle of the axis to x. bend: of one side, at its outer edge. sides: types of both."""
     folder = os.path.join(case, "constant", "polyMesh")
     heads, lists = zip(*(listing(folder, name) for name in ("points", "faces", "owner", "boundary")))
     x, r, z = np.array([[float(v) for v in row.strip("()").split()] for row in lists[0]]).T
     r, at = r + hollow, np.where(z > SIZE[2] / 2, angle / 2, -angle / 2) + turn
+    at = np.where((z > SIZE[2] / 2) & (r > hollow + 0.99 * SIZE[1]), at + bend, at)
     points, faces = np.stack([x, r * np.cos(at), r * np.sin(at)], axis=1), [[int(v) for v in row[2:-1].split()] for row in lists[1]]
     owner, kept = lists[2], np.arange(len(x))
     if hollow == 0:
         low = {v: i for i, v in enumerate(x) if r[i] == 0 and z[i] < SIZE[2] / 2}
         kept = np.array([low[x[i]] if r[i] == 0 else i for i in range(len(x))])
+    points = points @ np.array([[np.cos(lean), np.sin(lean), 0], [-np.sin(lean), np.cos(lean), 0], [0, 0, 1]])
     corners = [list(dict.fromkeys(kept[face].tolist())) for face in faces]
     used, place = np.unique(np.concatenate([c for c in corners if len(c) > 2]), return_inverse=True)
     number = dict(zip(used.tolist(), range(len(used))))
@@ -49,7 +51,7 @@ def to_wedge(case, hollow=0.0, angle=ANGLE, turn=0.0, axis=""):
         count = sum(stands[int(first):int(first) + int(count)])
         for part in ("zLow", "zHigh") if name == "zEmpty" else (name,) if count else ():
             faces_of = count // 2 if name == "zEmpty" else count
-            rows.append(f"    {part} {{ type {'wedge' if name == 'zEmpty' else 'patch'}; nFaces {faces_of}; startFace {start}; }}")
+            rows.append(f"    {part} {{ type {sides[part == 'zHigh'] if name == 'zEmpty' else 'patch'}; nFaces {faces_of}; startFace {start}; }}")
             start += faces_of
     if axis:
         rows.append(f"    axis {{ type {axis}; nFaces 0; startFace {start}; }}")
@@ -102,7 +104,11 @@ class Wedges(harness.Folder, unittest.TestCase):
         np.testing.assert_array_equal(one.field("rho"), two.field("rho"))
 
     def test_refused(self):
-        for name, options, says in (("turned", {"turn": 0.2}, "lie otherwise"), ("other", {"kind": "empty"}, "patch zLow is of type wedge"),):
+        """What is no wedge: with the file, and what to mesh."""
+        for name, options, says in (("turned", {"turn": 0.2}, "lie otherwise"), ("other", {"kind": "empty"}, "patch zLow is of type wedge"),
+                                    ("leaning", {"lean": 0.3}, "lie otherwise"), ("bent", {"bend": 0.02}, "is no plane"),
+                                    ("below", {"turn": np.pi}, "radius is negative"), ("half", {"sides": ("wedge", "patch")}, "not two patches of type wedge"),
+                                    ("empty", {"sides": ("wedge", "empty")}, "type empty beside")):
             with self.subTest(name):
                 done = harness.program("granularGas", "-case", self.case(name, **options), check=False)
                 self.assertEqual(done.returncode, 1, done.stdout)
