@@ -299,10 +299,11 @@ static void weigh_cell(struct weighing *w, int block, long at, double mass) {
 static void matrix_row(void *weighing, const struct row *row) {
     struct weighing *w = weighing;
     const struct gas *g = w->p->gas;
-    const double *U = w->p->Y0->block[row->block];
+    double room[BATCH];
+    const double *U = w->p->Y0->block[row->block], *radius = row_radius(g, row->block, row->at, row->n, room);
     for (int i = 0; i < row->n; i++) {
         const long at = row->at + i;
-        const double volume = g->blocks.volume ? g->blocks.volume[at] : 1;
+        const double volume = g->blocks.volume ? g->blocks.volume[at] : radius ? radius[i] : 1;
         *w->energy++ = volume * U[energy_at(g) * g->size + at];
         *w->mass = volume * U[at];
         weigh_cell(w, row->block, at, *w->mass++);
@@ -310,8 +311,9 @@ static void matrix_row(void *weighing, const struct row *row) {
 }
 
 /* Computes A = diag(mass) - factor V L, without the coupling between the components of a velocity; on a lattice, whose
- * volumes V are all the same, without V. For each unknown, for each cell, the entry of the cell itself comes first,
- * then those of its links; m->limit gets the energy of a cell. The last S is free at this time. */
+ * volumes V are all the same, without V, or with the radius for V. For each unknown, for each cell, the entry of the
+ * cell itself comes first, then those of its links; m->limit gets the energy of a cell. The last S is free at this
+ * time. */
 static void find_matrix(struct implicit *m, struct problem *p) {
     struct gas *g = p->gas;
     struct weighing w = {.p = p, .per = p->factor, .weight = m->weight};

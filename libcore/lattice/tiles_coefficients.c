@@ -17,13 +17,15 @@ status tiles_diffuser_make(struct gas *g) {
         memset(d->keep[t], 0, (size_t)(g->dim * g->forest->size) * sizeof(double));
     TRY(blocks_make(g->forest, 1, &d->light));
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
+    TRY(tiles_turn_make(g));
     return g->diffusion.terms.cross ? blocks_make(g->forest, g->dim + 1, &d->cross) : OK;
 }
 
 void tiles_diffuser_free(struct gas *g) {
     struct diffuser *d = g->tiles->diffuser;
     if (!d) return;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face, d->light, d->wall, d->keep, d->cross};
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,
+                         d->light,  d->wall,   d->keep,  d->cross,    d->turn};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) blocks_free(g->forest, blocks[i]);
     free(d);
 }
@@ -132,8 +134,13 @@ void tiles_diffusion_rates_row(const struct gas *g, int tile, long at, int n, do
     const struct diffuser *d = g->tiles->diffuser;
     const double factor[2] = {1, temperature_of(&g->models.material, 1)}, *light = d->light[tile] + at;
     memset(rate, 0, 2 * sizeof *rate);
-    for (int axis = 0; axis < g->dim; axis++)
-        add_rates(n, f->stride[axis], f->size, d->face[tile] + FACE_LINES * axis * f->size + at, rate);
+    for (int axis = 0; axis < g->dim; axis++) {
+        const double *face = d->face[tile] + FACE_LINES * axis * f->size + at;
+        if (axis == f->radial)
+            tiles_turn_rates(g, n, turn_line(g, tile, 0) + at, face, rate);
+        else
+            add_rates(n, f->stride[axis], f->size, face, rate);
+    }
     for (int what = 0; what < 2; what++)
         for (int i = 0; i < n; i++) rate[what][i] = factor[what] * rate[what][i] * light[i];
 }
@@ -171,11 +178,12 @@ void edges_visit(struct gas *g, int tile, edge_visitor *visit, const void *conte
 }
 
 /* Square of the velocity of the gas along a wall, less the wall's own. Velocities are still in the workspace. */
-static double slip_at(const struct gas *g, const struct edge *e, int i) {
+static double slip_at(const struct gas *g, const struct edge *e, double turn, int i) {
     double w[MAX_DIM], square = 0;
     wall_velocity(e->rules, g->components, e->face[i], w);
     for (int k = 0; k < g->components; k++) {
-        const double s = g->tiles->work.velocity[k][e->from + i * e->step] - w[k];
+        const double u = g->tiles->work.velocity[k][e->from + i * e->step];
+        const double s = (k == g->models.swirl ? turn * u : u) - w[k];
         if (k != e->normal) square += s * s;
     }
     return square;
@@ -191,6 +199,7 @@ static void take_wall(const struct gas *g, int tile, const struct edge *e, const
     const struct diffuser *d = g->tiles->diffuser;
     const double width = g->forest->width[e->normal], *faces = d->face[tile] + FACE_LINES * e->normal * size;
     const bool slides = wall_slides(e->rules);
+    const double turn = edge_turn(g, tile, e);
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step, over = face + i * e->step;
         b->rho[i] = rho[at];
@@ -200,7 +209,7 @@ static void take_wall(const struct gas *g, int tile, const struct edge *e, const
         b->d[i] = width;
         b->shear[i] = width * width * faces[SHEAR * size + over];
         b->heat[i] = width * width * faces[CONDUCTION * size + over];
-        b->slip[i] = slides ? slip_at(g, e, i) : 0;
+        b->slip[i] = slides ? slip_at(g, e, turn, i) : 0;
         b->cross[i] = d->cross ? d->cross[tile][g->dim * size + at] : 0;
     }
 }

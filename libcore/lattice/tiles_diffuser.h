@@ -13,6 +13,9 @@ enum { NORMAL, SHEAR, CONDUCTION, FACE_LINES };
 /* Lines at the ghosts beyond walls, from wall_shares: the share of drag, and the part of the heat of friction on the
  * wall that stays in the gas. (The share of heat is in the coefficients.) */
 enum { DRAG, STAYS, WALL_LINES };
+/* Lines of a body of revolution, with the radius r: h/(2 r) of cells; of the faces below them along the radius h/(2 r),
+ * 0 on the axis, and 1 there, 0 elsewhere. */
+enum { LEAN, RING, ON_AXIS, TURN_LINES };
 
 struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins with their number */
     double **sum[2];   /* components of u: S of the last stage, with one layer of ghosts, and S of the stage before */
@@ -23,6 +26,7 @@ struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins w
     double **light;    /* 1: 1/rho */
     double **keep;     /* dim: while `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
     double **wall;     /* WALL_LINES */
+    double **turn;     /* TURN_LINES; NULL: the mesh is none of a body of revolution */
     bool plain;        /* `keep` counts, until the next rates */
     int last;          /* which of the two sums is that of the last stage */
 };
@@ -36,6 +40,56 @@ static inline int lines_of(const struct gas *g, enum diffusing what) {
 ALWAYS_INLINE double half_derivative(const double *q, long step, double quarter) {
     return (q[step] - q[-step]) * quarter;
 }
+
+/* Half of d(r q)/(r dr) of a body of revolution, so that of linear q it is exact; lean: h/(2 r) of the cell. */
+ALWAYS_INLINE double half_divergence(const double *q, long step, double quarter, double lean) {
+    return ((1 + 2 * lean) * q[step] - (1 - 2 * lean) * q[-step]) * quarter;
+}
+/* The line of `turn` at cell 0 of a tile; NULL: there is none. */
+static inline const double *turn_line(const struct gas *g, int tile, int line) {
+    return g->tiles->diffuser->turn ? g->tiles->diffuser->turn[tile] + line * g->size : NULL;
+}
+
+enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: place of its first cell, and length */
+/* The lines of the faces of a row: components of the stress and, in the end, its work behind them; HOOP is the stress
+ * around the axis of a body of revolution. */
+enum { HOOP = MAX_DIM + 1, STRESS_LINES };
+
+struct stress_row { /* the faces below n cells along an axis; lines stand at the first cell */
+    int n, axis;
+    double h;  /* width of a cell along the axis */
+    long step; /* leads across the face */
+    const double *restrict face, *restrict S;
+    const double *restrict keep;                /* NULL: all 1 */
+    const double *restrict low, *restrict high; /* the gradients on both sides */
+    double (*restrict out)[LINE];
+};
+
+/* Bodies of revolution (libcore/lattice/tiles_turn.c); `turn`: at the first cell. */
+status tiles_turn_make(struct gas *g);
+/* Stress and work as viscous_faces, at faces across the radius. */
+void turn_faces(const struct gas *g, bool ends, const double *turn, const struct stress_row *r);
+struct turn_row { /* what n cells gain in a line, by the faces below and above across the radius and along the axis */
+    int n, line;  /* line: as in `out` of stress_row; < 0: heat */
+    const double *low, *high, *hoop_low, *hoop_high;
+    const double *along[2]; /* NULL: the mesh has no cells along the axis */
+    const double *turn;
+    double *out;
+};
+void turn_gain(const struct gas *g, const struct turn_row *r);
+/* The heat that conduction brings to n cells. */
+void turn_heat(const struct gas *g, int n, const double *turn, const double *face, const double *S, double *out);
+/* That of the gradient of rho; cross: the line of the faces below them along axis 0. */
+void turn_cross(const struct gas *g, int n, const double *turn, const double *cross, double *out);
+/* The ratio of radii of a side and its cells, 1 where the mesh or the side has none: of the area of a cell's face to its
+ * volume over h, and by which swirl grows from there to the wall if gas rotates as a rigid body: that is edge_turn, 1
+ * where the edge has no such swirl, and 0 on the axis. */
+double edge_widens(const struct gas *g, int tile, const struct edge *e);
+double edge_turn(const struct gas *g, int tile, const struct edge *e);
+/* The ratio of radii of the side and its ghosts. */
+double edge_turn_back(const struct gas *g, int tile, const struct edge *e);
+/* Adds what the faces across the radius bring to the rates of a row; face: their lines. */
+void tiles_turn_rates(const struct gas *g, int n, const double *turn, const double *face, double (*rate)[BATCH]);
 
 typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);
 /* Visits the first layer of ghosts of all sides of a tile that are patches. */

@@ -4,8 +4,6 @@
  * the neighbours' own neighbours, so they have ghosts of their own (tiles_sums.c). */
 #include "libcore/lattice/tiles_diffuser.h"
 
-enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: place of its first cell, and length */
-
 /* The cells of a row in whole vectors of 8. What is computed beyond the row does no harm: it goes to ghosts, which are
  * filled again before they are read, and to padding, where 1/rho is 0. */
 static int padded(int n) {
@@ -66,23 +64,34 @@ ALWAYS_INLINE void heat_gains(int n, int dim, const long *stride, long size, con
     for (int i = 0; i < n; i++) out[i] = heat_gain(dim, stride, size, face + i, S + i);
 }
 
-ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim) {
+ALWAYS_INLINE void next_of_gains(int n, const double *restrict gain, const double *restrict friction,
+                                 const struct stage_row *restrict r) {
+    for (int i = 0; i < n; i++)
+        r->next[i] = next_sum(r->c, r->last[i], r->next[i], gain[i], r->light[i], r->start[i]) +
+                     (friction ? r->c[4] * friction[i] : 0);
+}
+
+ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = s->g->tiles->diffuser;
+    const double *turn = round ? turn_line(s->g, s->tile, 0) : NULL;
     const int *n = f->tile[s->tile].n, vectors = padded(n[0]);
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
             const long at = f->first + j * f->stride[1] + k * f->stride[2];
             const double *face = d->face[s->tile] + at;
             double M[1][BATCH];
-            if (s->c) {
-                heat_next(
-                    vectors, dim, f->stride, f->size, face, s->g->diffusion.friction[s->tile] + at,
-                    &(struct stage_row){s->c, d->light[s->tile] + at, d->start[s->tile] + at, s->S + at, s->next + at});
-            } else {
+            const double *friction = s->g->diffusion.friction[s->tile] + at;
+            const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + at, s->S + at,
+                                          s->next + at};
+            if (turn) turn_heat(s->g, n[0], turn + at, face, s->S + at, M[0]);
+            if (s->c && turn)
+                next_of_gains(n[0], M[0], friction, &row);
+            else if (s->c)
+                heat_next(vectors, dim, f->stride, f->size, face, friction, &row);
+            else if (!turn)
                 heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
-                end_row(s, at, n[0], M);
-            }
+            if (!s->c) end_row(s, at, n[0], M);
         }
 }
 
@@ -90,9 +99,10 @@ ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *
     for (int i = 0; i < n; i++) out[i] = half_derivative(q + i, step, quarter);
 }
 
-/* The gradients of a row of cells, or in a row of ghosts the derivatives along the side. */
+/* The gradients of a row of cells, or in a row of ghosts the derivatives along the side. That of the velocity along the
+ * radius is its divergence in the body of revolution, as the stress along the axis wants. */
 ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, int j, int k, const double *S,
-                                 const double *ghosts, double *out) {
+                                 const double *ghosts, const double *turn, double *out) {
     const long at = f->first + j * f->stride[1] + k * f->stride[2];
     const int beyond = j < 0 || j >= n[1] ? 1 : k < 0 || k >= n[2] ? 2 : 0, vectors = padded(n[0]);
     for (int line = 0; line < dim * dim; line++) {
@@ -102,22 +112,15 @@ ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, 
         if (beyond) {
             memcpy(row, ghost, (size_t)vectors * sizeof *row);
         } else {
-            gradient_row(vectors, f->stride[along], 0.25 / f->width[along], S + line % dim * f->size + at, row);
+            const double *q = S + line % dim * f->size + at;
+            gradient_row(vectors, f->stride[along], 0.25 / f->width[along], q, row);
+            for (int i = 0; i < vectors && turn && line == f->radial * (dim + 1); i++)
+                row[i] = half_divergence(q + i, f->stride[along], 0.25 / f->width[along], turn[at + i]);
             row[-1] = ghost[-1];
             row[n[0]] = ghost[n[0]];
         }
     }
 }
-
-struct stress_row { /* the faces below n cells along an axis; lines stand at the first cell */
-    int n, axis;
-    double h;  /* width of a cell along the axis */
-    long step; /* leads across the face */
-    const double *restrict face, *restrict S;
-    const double *restrict keep;                /* NULL: all 1 */
-    const double *restrict low, *restrict high; /* the gradients on both sides */
-    double (*restrict out)[LINE];
-};
 
 ALWAYS_INLINE struct stress_row stress_row(const struct sweep *s, int axis, bool plain, long at, const double *low,
                                            const double *high, double (*out)[LINE]) {
@@ -194,6 +197,31 @@ ALWAYS_INLINE void next_row(int n, int dim, const struct faces_around *restrict 
     for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain(dim, i, f), light[i], start[i]);
 }
 
+ALWAYS_INLINE void faces_of(int dim, int m, bool ends, const struct sweep *s, const double *turn, long size,
+                            struct stress_row r) {
+    if (turn && r.axis == s->g->forest->radial) {
+        const struct stress_row across = r;
+        turn_faces(s->g, ends, turn + (r.S - s->S), &across);
+    } else {
+        viscous_faces(dim, m, ends, size, r);
+    }
+}
+
+/* What a row of cells gains in line v; lines as in viscous_sweep. */
+static void turn_gain_of(const struct sweep *s, int v, int n, const double *turn, const struct faces_around *f,
+                         double (*x)[LINE], double (*low)[LINE], double (*high)[LINE], double *out) {
+    struct turn_row r = {.n = n, .line = v, .turn = turn, .out = out};
+    const bool across = s->g->forest->radial == 0; /* is it axis 0 that leads along the radius? */
+    r.low = across ? f->x : f->y[0];
+    r.high = across ? f->x + 1 : f->y[1];
+    r.hoop_low = across ? x[HOOP] : low[HOOP];
+    r.hoop_high = across ? x[HOOP] + 1 : high[HOOP];
+    r.along[0] = across ? f->y[0] : f->x;
+    r.along[1] = across ? f->y[1] : f->x + 1;
+    if (s->g->dim == 1) r.along[0] = NULL;
+    turn_gain(s->g, &r);
+}
+
 /* Notes the stress on the sides of a tile that row (j, k) touches; lines as in viscous_sweep. */
 static void note_sides(const struct sweep *s, int j, int k, const double *x, const double *low, const double *high,
                        const double *z0, const double *z1) {
@@ -212,31 +240,31 @@ static void note_sides(const struct sweep *s, int j, int k, const double *x, con
 
 /* The gradients of a row, and the faces below it along axis 1, serve two rows each, so two buffers take odd and even
  * rows in turn. */
-ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, bool plain) {
+ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, bool plain, bool round) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = s->g->tiles->diffuser;
     const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = m + ends;
     const long size = f->size, *stride = f->stride;
-    _Alignas(64) double x[4][LINE] = {{0}}, y[2][4][LINE], z[2][4][LINE], M[4][BATCH];
+    _Alignas(64) double x[STRESS_LINES][LINE] = {{0}}, y[2][STRESS_LINES][LINE], z[2][STRESS_LINES][LINE], M[4][BATCH];
     _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE], outer[2][MAX_DIM * MAX_DIM * LINE];
-    const double *ghosts = d->gradient[s->tile];
+    const double *ghosts = d->gradient[s->tile], *turn = round ? turn_line(s->g, s->tile, 0) : NULL;
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
             const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
             double *here = gradient[j & 1], *next = gradient[(j + 1) & 1], (*low)[LINE] = y[j & 1],
                    (*high)[LINE] = y[(j + 1) & 1];
             if (j >= 0)
-                viscous_faces(dim, m, ends, size, stress_row(s, 0, plain, at, here + EDGE - 1, here + EDGE, x));
+                faces_of(dim, m, ends, s, turn, size, stress_row(s, 0, plain, at, here + EDGE - 1, here + EDGE, x));
             else
-                row_gradients(f, n, dim, j, k, s->S, ghosts, here);
+                row_gradients(f, n, dim, j, k, s->S, ghosts, turn, here);
             if (dim > 1) {
-                row_gradients(f, n, dim, j + 1, k, s->S, ghosts, next);
-                viscous_faces(dim, m, ends, size, stress_row(s, 1, plain, above, here + EDGE, next + EDGE, high));
+                row_gradients(f, n, dim, j + 1, k, s->S, ghosts, turn, next);
+                faces_of(dim, m, ends, s, turn, size, stress_row(s, 1, plain, above, here + EDGE, next + EDGE, high));
             }
             if (j < 0) continue;
             for (int i = 0; dim > 2 && i < 2; i++) {
                 const long top = at + i * stride[2];
-                row_gradients(f, n, dim, j, k + 2 * i - 1, s->S, ghosts, outer[i]);
+                row_gradients(f, n, dim, j, k + 2 * i - 1, s->S, ghosts, turn, outer[i]);
                 viscous_faces(
                     dim, m, ends, size,
                     stress_row(s, 2, plain, top, (i ? here : outer[0]) + EDGE, (i ? outer[1] : here) + EDGE, z[i]));
@@ -245,12 +273,15 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
             for (int v = 0; v < lines; v++) {
                 const struct faces_around around = {x[v], {low[v], high[v]}, {z[0][v], z[1][v]}};
                 const long to = v * size + at;
+                const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + to, s->S + to,
+                                              s->next + to};
+                if (turn) turn_gain_of(s, v, n[0], turn + at, &around, x, low, high, M[v]);
+                if (turn && !ends) next_of_gains(n[0], M[v], NULL, &row);
+                if (turn) continue;
                 if (ends)
                     gain_row(vectors, dim, &around, M[v]);
                 else
-                    next_row(vectors, dim, &around,
-                             &(struct stage_row){s->c, d->light[s->tile] + at, d->start[s->tile] + to, s->S + to,
-                                                 s->next + to});
+                    next_row(vectors, dim, &around, &row);
             }
             if (ends) end_row(s, at, n[0], M);
         }
@@ -259,11 +290,11 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
 #define SWEEP(dim, m)                                                                                                  \
     KERNEL static void sweep_##dim##d_##m(struct sweep *s, bool plain) {                                               \
         if (s->what == HEAT)                                                                                           \
-            heat_sweep(s, dim);                                                                                        \
+            heat_sweep(s, dim, false);                                                                                 \
         else if (plain)                                                                                                \
-            s->c ? viscous_sweep(s, dim, m, false, true) : viscous_sweep(s, dim, m, true, true);                       \
+            s->c ? viscous_sweep(s, dim, m, false, true, false) : viscous_sweep(s, dim, m, true, true, false);         \
         else                                                                                                           \
-            s->c ? viscous_sweep(s, dim, m, false, false) : viscous_sweep(s, dim, m, true, false);                     \
+            s->c ? viscous_sweep(s, dim, m, false, false, false) : viscous_sweep(s, dim, m, true, false, false);       \
     }
 SWEEP(1, 1)
 SWEEP(1, 2)
@@ -271,17 +302,30 @@ SWEEP(1, 3)
 SWEEP(2, 2)
 SWEEP(2, 3)
 SWEEP(3, 3)
+#define ROUND_SWEEP(dim)                                                                                               \
+    KERNEL static void sweep_round_##dim##d(struct sweep *s, bool plain) {                                             \
+        if (s->what == HEAT)                                                                                           \
+            heat_sweep(s, dim, true);                                                                                  \
+        else                                                                                                           \
+            viscous_sweep(s, dim, s->g->components, !s->c, plain, true);                                               \
+    }
+ROUND_SWEEP(1)
+ROUND_SWEEP(2)
 
 typedef void sweep_function(struct sweep *s, bool plain);
-/* By the dimension and the components of u beyond it. */
+/* By the dimension and the components of u beyond it; of bodies of revolution by the dimension. */
 static sweep_function *const sweeps[3][3] = {
     {sweep_1d_1, sweep_1d_2, sweep_1d_3}, {sweep_2d_2, sweep_2d_3, NULL}, {sweep_3d_3, NULL, NULL}};
+static sweep_function *const round_sweeps[2] = {sweep_round_1d, sweep_round_2d};
 
 static void sweep_tile(struct sweep *s) {
     const struct diffuser *d = s->g->tiles->diffuser;
     s->S = d->sum[d->last][s->tile];
     s->next = d->sum[1 - d->last][s->tile];
-    sweeps[s->g->dim - 1][s->g->components - s->g->dim](s, d->plain);
+    if (d->turn)
+        round_sweeps[s->g->dim - 1](s, d->plain);
+    else
+        sweeps[s->g->dim - 1][s->g->components - s->g->dim](s, d->plain);
 }
 
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -306,6 +350,7 @@ static void slide_edge(struct gas *g, int tile, const struct edge *e, const void
     const long size = g->forest->size, face = e->to > e->from ? e->to : e->from;
     const double *S = g->tiles->diffuser->sum[g->tiles->diffuser->last][tile], *wall = g->tiles->diffuser->wall[tile];
     const double *shear = g->tiles->diffuser->face[tile] + (FACE_LINES * e->normal + SHEAR) * size;
+    const double turn = edge_turn(g, tile, e), wide = edge_widens(g, tile, e);
     if (!wall_slides(e->rules)) return;
     for (int i = 0; i < e->n; i++) {
         const long at = e->from + i * e->step, beyond = e->to + i * e->step;
@@ -313,12 +358,12 @@ static void slide_edge(struct gas *g, int tile, const struct edge *e, const void
         double w[MAX_DIM], square = 0;
         wall_velocity(e->rules, g->components, e->face[i], w);
         for (int k = 0; k < g->components; k++) {
-            const double jump = ending->weight * w[k] - S[k * size + at];
+            const double u = S[k * size + at], jump = ending->weight * w[k] - (k == g->models.swirl ? turn * u : u);
             if (k != e->normal) square += jump * jump;
         }
         const double gain =
             wall[STAYS * size + beyond] * shear[face + i * e->step] * a * (1 - 0.5 * a) * square / ending->dt;
-        g->tiles->work.p[at] += gain;
+        g->tiles->work.p[at] += wide * gain;
         if (g->books.tally) tiles_tally_friction(g, tile, e, i, gain);
     }
 }

@@ -23,5 +23,8 @@ double tiles_implicit_weight(const struct gas *g, enum diffusing what, double pe
     const struct forest *f = g->forest;
     const int axis = k / 2, line = what == HEAT ? CONDUCTION : axis == c ? NORMAL : SHEAR;
     const long face = at + (k % 2 ? f->stride[axis] : 0); /* faces stand at the cell above them */
-    return per * g->tiles->diffuser->face[tile][(FACE_LINES * axis + line) * f->size + face] * jump[c];
+    const double weight = per * g->tiles->diffuser->face[tile][(FACE_LINES * axis + line) * f->size + face] * jump[c];
+    const double place = f->radial < 0 ? 0 : forest_place_along(f, tile, at, f->radial) + 0.5;
+    if (f->radial < 0) return weight;
+    return weight * forest_radius(f, axis == f->radial ? place + (k % 2 ? 0.5 : -0.5) : place);
 }

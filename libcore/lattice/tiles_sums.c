@@ -74,8 +74,11 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     take_edge(size, e->to, e, 1, g->tiles->diffuser->wall[tile] + DRAG * size, share);
     take_edge(size, e->from, e, lines, S, inner);
     take_edge(size, e->to, e, lines, g->tiles->diffuser->start[tile], start);
+    const double turn = fill->what == VISCOUS ? edge_turn(g, tile, e) : 1;
+    for (int i = 0; i < e->n && turn != 1; i++) inner[g->models.swirl][i] *= turn;
     sums_beyond(e->rules, fill->what, &line);
     carry_sums(e->rules, fill->what, &line);
+    for (int i = 0; i < e->n && turn != 1 && turn != 0; i++) ghost[g->models.swirl][i] /= edge_turn_back(g, tile, e);
     put_edge(size, e, lines, ghost, S);
 }
 
@@ -106,7 +109,8 @@ static void gradient_edge(struct gas *g, int tile, const struct edge *e, const v
 }
 
 /* Derivatives along each side in the cells beside it, from which the ghosts beyond the side are made. */
-static void side_gradients(const struct forest *f, const struct tile *t, const double *S, double *out) {
+static void side_gradients(const struct forest *f, const struct tile *t, const double *S, const double *turn,
+                           double *out) {
     for (int side = 0; side < 2 * f->dim; side++) {
         const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
         const long first = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0), step = f->stride[across];
@@ -117,8 +121,11 @@ static void side_gradients(const struct forest *f, const struct tile *t, const d
                 const long at = first + k * f->stride[deep];
                 const double *q = S + line % f->dim * f->size + at;
                 double *to = out + line * f->size + at;
+                const bool spreads = turn && line == f->radial * (f->dim + 1);
                 for (int i = 0; i < t->n[across]; i++)
-                    to[i * step] = half_derivative(q + i * step, f->stride[along], quarter);
+                    to[i * step] = spreads
+                                       ? half_divergence(q + i * step, f->stride[along], quarter, turn[at + i * step])
+                                       : half_derivative(q + i * step, f->stride[along], quarter);
             }
         }
     }
@@ -127,7 +134,8 @@ static void side_gradients(const struct forest *f, const struct tile *t, const d
 static void find_gradients(struct gas *g) {
     const struct forest *f = g->forest;
     struct diffuser *d = g->tiles->diffuser;
-    for (int t = 0; t < f->ntiles; t++) side_gradients(f, &f->tile[t], d->sum[d->last][t], d->gradient[t]);
+    for (int t = 0; t < f->ntiles; t++)
+        side_gradients(f, &f->tile[t], d->sum[d->last][t], turn_line(g, t, 0), d->gradient[t]);
     forest_fill_derivatives(g->forest, d->gradient);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
 }

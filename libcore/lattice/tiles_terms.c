@@ -24,8 +24,14 @@ KERNEL static void cross_row(int n, int dim, const long *stride, long size, doub
 static void cross_visit(void *term, const struct row *row) {
     const struct term *t = term;
     const struct forest *f = t->g->forest;
-    cross_row(row->n, f->dim, f->stride, f->size, t->dt, t->g->tiles->diffuser->cross[row->block] + row->at,
-              t->to->block[row->block] + energy_at(t->g) * f->size + row->at);
+    const double *turn = turn_line(t->g, row->block, LEAN);
+    double *E = t->to->block[row->block] + energy_at(t->g) * f->size + row->at, gain[BATCH];
+    if (turn) {
+        turn_cross(t->g, row->n, turn + row->at, t->g->tiles->diffuser->cross[row->block] + row->at, gain);
+        for (int i = 0; i < row->n; i++) E[i] += t->dt * gain[i];
+        return;
+    }
+    cross_row(row->n, f->dim, f->stride, f->size, t->dt, t->g->tiles->diffuser->cross[row->block] + row->at, E);
 }
 
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
@@ -34,14 +40,19 @@ void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
 }
 
 /* Adds half of div u to `spread` in a row of cells, at whose first cell U stands. A central difference has the mean of
- * both cells on each face. */
+ * both cells on each face; along the radius, if `radial` is an axis, it is that of half_divergence. */
 KERNEL static void add_half_spread(int n, int dim, const long *stride, const double *width, long size,
-                                   const double *restrict U, double *restrict spread) {
+                                   const double *restrict U, int radial, const double *restrict lean,
+                                   double *restrict spread) {
     double sum[BATCH] = {0};
     for (int axis = 0; axis < dim; axis++) {
         const double quarter = 0.25 / width[axis], *restrict m = U + (axis + 1) * size;
         const long step = stride[axis];
-        for (int i = 0; i < n; i++) sum[i] += quarter * (m[i + step] / U[i + step] - m[i - step] / U[i - step]);
+        for (int i = 0; i < n && axis != radial; i++)
+            sum[i] += quarter * (m[i + step] / U[i + step] - m[i - step] / U[i - step]);
+        for (int i = 0; i < n && axis == radial; i++)
+            sum[i] += quarter * ((1 + 2 * lean[i]) * (m[i + step] / U[i + step]) -
+                                 (1 - 2 * lean[i]) * (m[i - step] / U[i - step]));
     }
     for (int i = 0; i < n; i++) spread[i] += sum[i];
 }
@@ -51,8 +62,10 @@ void tiles_diffusion_spread(const struct gas *g, const struct state *from, const
     const struct forest *f = g->forest;
     const struct state *both[] = {from, to};
     memset(spread, 0, (size_t)row->n * sizeof *spread);
+    const double *turn = turn_line(g, row->block, LEAN);
     for (int i = 0; i < 2; i++)
-        add_half_spread(row->n, f->dim, f->stride, f->width, f->size, both[i]->block[row->block] + row->at, spread);
+        add_half_spread(row->n, f->dim, f->stride, f->width, f->size, both[i]->block[row->block] + row->at,
+                        turn ? f->radial : -1, turn ? turn + row->at : NULL, spread);
 }
 
 void tiles_diffusion_ghosts(struct gas *g, const struct state *s) {

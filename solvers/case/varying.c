@@ -248,6 +248,8 @@ status varying_read(struct dict *d, int components, const struct boundary_type *
                           .wall = type->wall};
     status s = read_entry(v, type);
     if (!s) s = take_geometry(v, m, patch);
+    if (!s && v->rotates && m->round.on && v->nfaces) /* the cells lie in a half plane through the axis */
+        v->origin[3 - m->round.axial - m->round.radial] = v->centre[3 - m->round.axial - m->round.radial];
     if (!s && v->rotates) s = find_levers(v, polymesh_axes(m, (int[3]){0}) < 3);
     if (s)
         varying_free(v);

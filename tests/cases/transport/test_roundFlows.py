@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bodies of revolution (`axis` of system/meshDict) of a gas with transport.
+
+References: rigid rotation, which has no stress; uniform expansion, which has that of the bulk viscosity alone; u = g rho (R^2 - r^2)/
+(4 mu) in a pipe and u = A r + B/r between two cylinders, both so slow that the gas stays isothermal; conserved sums; the work of walls
+by torque times angular velocity.
+"""
+import os
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.harness import boxes
+from studies.exact import garzoDufty
+
+ALPHA, SLOW = 0.2, 1e-4
+GAS = garzoDufty.Grains(3, 1.0)
+RHO = ALPHA / GAS.per
+PROPERTIES = """grain {{ diameter 1; mass 1; restitution {e!r}; }}
+equationOfState TorquatoSpheres;   cooling none;   transport {law};
+"""
+CYCLIC = {"x": "cyclic", "yLow": "symmetryPlane"}
+FORCES = "functions { %s budget { type energyBudget; } }\n" % " ".join(
+    f"{name} {{ type forces; patches ({name}); CofR (0 0 0); writeControl timeStep; writeInterval 1; }}" for name in ("yLow", "yHigh"))
+
+
+def rotating(omega, inner=0.0):
+    return f"rotatingWallVelocity; origin (0 {-inner!r} 0); axis (1 0 0); omega {omega!r}; value uniform (0 0 0)"
+
+
+class RoundFlows(harness.Folder, unittest.TestCase):
+    def case(self, name, n, size, U, end, walls=None, kinds=None, inner=0.0, along="x", T=1.0, T_wall="zeroGradient", law="GarzoDufty",
+             e=1.0, solution="", schemes="", functions="", gravity=None, **control):
+        """A gas of spheres of packing ALPHA in a box of n cells about an axis at y = -inner (or x, `along` y: all is swapped).
+        U: a function of centres and radii; walls: types of U by patch; kinds: types of patches."""
+        case, swap = os.path.join(self.folder, name), along == "y"
+        walls, kinds = walls or {}, {**(CYCLIC if kinds is None else kinds), **dict.fromkeys(walls or {}, "wall")}
+        if swap:
+            other = {"x": "y", "y": "x"}
+            n, size = (n[1], n[0], n[2]), (size[1], size[0], size[2])
+            walls, kinds = ({other[p[0]] + p[1:]: v for p, v in d.items()} for d in (walls, kinds))
+        patches = boxes.write_mesh(case, n, size, kinds)
+        x = boxes.centres(n, size)
+        x = x[:, [1, 0, 2]] if swap else x
+        u = np.stack(U(x, x[:, 1] + inner), axis=1)
+        rest = [f"{p} {k if k in ('empty', 'cyclic', 'symmetryPlane') else 'zeroGradient'}" for p, k in patches.items() if p not in walls]
+        for field, values, rules in (("alpha", np.full(len(x), ALPHA), {}), ("T", np.full(len(x), T), dict.fromkeys(walls, T_wall)),
+                                     ("U", u[:, [1, 0, 2]] if swap else u, walls)):
+            rows = rest + [f"{p} {rules.get(p, 'zeroGradient')}" for p in walls]
+            boxes.write_field(case, field, values, "\n".join(rows))
+        boxes.write_dictionary(case, "constant", "granularProperties", PROPERTIES.format(law=law, e=e))
+        origin = f"({-inner!r} 0 0)" if swap else f"(0 {-inner!r} 0)"
+        boxes.write_dictionary(case, "system", "meshDict", "axis { direction (%s); origin %s; }\n" % ("0 1 0" if swap else "1 0 0", origin))
+        boxes.write_dictionary(case, "system", "fvSolution", solution)
+        boxes.write_dictionary(case, "system", "fvSchemes", boxes.SCHEMES.format(**boxes.STANDARD) + schemes)
+        boxes.write_dictionary(case, "system", "controlDict",
+                               boxes.CONTROL.format(end=end, **{**boxes.STANDARD, "interval": end, **control}) + functions)
+        if gravity:
+            boxes.write_dictionary(case, "constant", "g", "dimensions [0 1 -2 0 0 0 0];\nvalue (%r %r 0);\n" % (gravity[::-1] if swap else gravity))
+        return case, x
+
+    @staticmethod
+    def run_case(case, ranks=1):
+        harness.program("granularGas", "-case", case, ranks=ranks)
+        return harness.haff.Case(case)
+
+    def pipe(self, name, cells, along="x", wide=1, end=20.0, **options):
+        """Error of the velocity in a pipe over the largest one, and of the force on its wall, after a run from the exact flow."""
+        R, mu = 5.0, float(GAS.shear(RHO, 1.0))
+        g = 4 * mu * SLOW / (RHO * R**2)
+        case, x = self.case(name, (wide, cells, 1), (wide * R / cells, R, 0.1), lambda x, r: (SLOW * (1 - (r / R)**2), 0 * r, 0 * r),
+                            end, {"yHigh": "noSlip"}, along=along, T_wall="fixedValue; value uniform 1", gravity=(g, 0.0), **options)
+        u = self.run_case(case).field("U")[:, "xy".index(along)]
+        return np.abs(u / SLOW - (1 - (x[:, 1] / R)**2)).max()
+
+    def test_pipe(self):
+        """Poiseuille flow: second order, on lattices of (axial, radial) cells either way, and of radial cells."""
+        for along, wide in (("x", 1), ("x", 3), ("y", 3)):
+            with self.subTest(along=along, wide=wide):
+                errors = [self.pipe(f"pipe{along}{wide}{cells}", cells, along, wide) for cells in (8, 16)]
+                self.assertLess(errors[1], 4e-3)
+                self.assertGreater(np.log2(errors[0] / errors[1]), 1.9, f"errors {errors}")
+
+    def couette(self, cells, omegas=(1.0, -0.5), radii=(5.0, 10.0), **options):
+        """Errors of the swirl and of both torques between two cylinders, each over the largest exact one."""
+        B = (omegas[0] - omegas[1]) / (radii[0]**-2 - radii[1]**-2)
+        A = omegas[1] - B / radii[1]**2
+        walls = {p: rotating(SLOW * omega, radii[0]) for p, omega in zip(("yLow", "yHigh"), omegas)}
+        case, x = self.case(f"couette{cells}", (1, cells, 1), (1.0, radii[1] - radii[0], 0.1), lambda x, r: (0 * r, 0 * r, SLOW * (A * r + B / r)),
+                            30.0, walls, {"x": "cyclic"}, radii[0], T_wall="fixedValue; value uniform 1", functions=FORCES, **options)
+        result, r = self.run_case(case), x[:, 1] + radii[0]
+        exact = -4 * np.pi * GAS.shear(RHO, 1.0) * B * SLOW  # on the shaft, by the gas, per length
+        depth = np.ptp(result.mesh.points[:, 0])
+        torque = [result.table(p, "moment.dat")[-1, 1] / (exact * depth) for p in ("yLow", "yHigh")]
+        u = SLOW * (A * r + B / r)
+        return np.array([np.abs(result.field("U")[:, 2] - u).max() / np.abs(u).max(), torque[0] - 1, torque[1] + 1])
+
+    def test_couette(self):
+        """Second order; the torque on each cylinder, extrapolated from two meshes."""
+        found = np.abs([self.couette(cells) for cells in (8, 12)])
+        order = np.log(found[0] / found[1]) / np.log(12 / 8)
+        self.assertGreater(order.min(), 1.9, f"orders {order}, errors {found}")
+        self.assertLess(np.abs((2.25 * found[1] - found[0]) / 1.25)[1:].max(), 1e-4)
+
+    def test_rigid(self):
+        """Gas that rotates as a rigid body with its walls feels no stress: its swirl stays to round-off, in a pipe and in a ring."""
+        for inner in (0.0, 2.0):
+            with self.subTest(inner=inner):
+                spin = {p: rotating(1.0, inner) for p in ("yLow", "yHigh")[inner == 0:]}
+                case, x = self.case(f"rigid{inner}", (4, 16, 1), (1.0, 4.0, 0.1), lambda x, r: (0 * r, 0 * r, r), 1e-6, spin,
+                                    {"x": "cyclic"} if inner else None, inner, adjust="no", step=1e-6)
+                swirl = self.run_case(case).field("U")[:, 2] / (x[:, 1] + inner)
+                self.assertLess(np.abs(swirl - 1).max(), 1e-11)  # a shear of 1/s would change it by 1e-6 mu/(rho r h)
+
+    def test_expansion(self):
+        """u = a (x, r) has the stress of the bulk viscosity alone: it heats the gas, and moves nothing."""
+        a, dt, states = 0.1, 1e-3, {}
+        kinds = {"x": "patch", "yLow": "symmetryPlane", "yHigh": "patch"}
+        for law in ("none", "GarzoDufty"):
+            case, x = self.case("expand" + law, (40, 40, 1), (6.0, 6.0, 0.1), lambda x, r: (a * x[:, 0], a * r, 0 * r), dt, kinds=kinds,
+                                law=law, adjust="no", step=dt)
+            states[law] = self.run_case(case)
+        inside = (np.abs(x[:, 0] - 3) < 0.3) & (x[:, 1] < 3)  # as far as what the patches do cannot come
+        difference = {name: states["GarzoDufty"].field(name)[inside] - states["none"].field(name)[inside] for name in ("T", "U")}
+        self.assertLess(np.abs(difference["U"]).max(), 1e-12)  # stress without its hoop part would give 1e-5
+        heat = GAS.bulk(RHO, 1.0) * (3 * a)**2 * dt / (1.5 * RHO)
+        np.testing.assert_allclose(difference["T"], heat, rtol=2e-3)
+
+    def whirl(self, name, wall="noSlip", T_wall="zeroGradient", inner=0.0, n=(24, 32, 1), end=0.5, **options):
+        """Gas in a closed can, or a ring of it, that moves along all three axes."""
+        def start(x, r):
+            s = (r - inner) / 4
+            bump = np.sin(np.pi * s) * np.sin(np.pi * x[:, 0] / 3)
+            return bump, 0.7 * bump * s, s * (1 - 0.3 * np.cos(np.pi * x[:, 0] / 3))
+        walls = {p: wall for p in (("xLow", "xHigh", "yLow", "yHigh") if inner else ("xLow", "xHigh", "yHigh"))}
+        return self.case(name, n, (3.0, 4.0, 0.1), start, end, walls, {"yLow": "symmetryPlane"}, inner, T_wall=T_wall, functions=FORCES
+                         if inner else "functions { budget { type energyBudget; } }\n", **options)
+
+    def test_conserved(self):
+        """Mass and energy of a can to round-off; the axial momentum that the walls take; with slip the angular momentum."""
+        for inner in (0.0, 2.0):
+            for wall in ("noSlip", "slip"):
+                with self.subTest(inner=inner, wall=wall):
+                    case, x = self.whirl(f"can{inner}{wall}", wall, inner=inner)
+                    result = self.run_case(case)
+                    budget = result.table("budget")
+                    self.assertLess(np.abs(budget[:, [4, 12, 19]]).max() / budget[0, 5], 1e-14)
+                    self.assertLess(abs(budget[-1, 5] / budget[0, 5] - 1), 1e-13)
+                    r, u = x[:, 1] + inner, result.field("U")
+                    weight = r * (r**2 + 0.25 * (4 / 32)**2) / r
+                    before = (boxes_swirl(case) * weight).sum() * RHO
+                    after = (result.field("rho") * u[:, 2] * weight).sum()
+                    if wall == "slip":
+                        self.assertAlmostEqual(after / before, 1, delta=1e-13)
+                    else:
+                        self.assertLess(after / before, 0.99)
+
+    def test_same(self):
+        """1 and 3 ranks, and a restart, give the same bits."""
+        options = {"n": (40, 48, 1), "end": 0.1, "interval": 0.05}
+        one, _ = self.whirl("one", **options)
+        three, _ = self.whirl("three", **options)
+        self.run_case(one)
+        self.run_case(three, ranks=3)
+        runs.same(self, runs.results(one), runs.results(three), "ranks")
+        part = runs.until(one, os.path.join(self.folder, "part"), 0.05)
+        self.run_case(part)
+        runs.same(self, runs.contents(os.path.join(one, "0.1")), runs.contents(os.path.join(part, "0.1")), "restart")
+
+    def test_implicit(self):
+        """Implicit diffusion finds the flow that super steps find."""
+        fields = []
+        for scheme in ("RKJ2", "implicit"):
+            case, _ = self.whirl("by" + scheme, T_wall="fixedValue; value uniform 1", solution=f"diffusion {{ type {scheme}; }}\n", adjust="no", step=0.005)
+            fields.append(self.run_case(case).field("U"))
+        self.assertLess(np.abs(fields[0] - fields[1]).max(), 2e-4)
+
+    def test_works(self):
+        """Walls of Johnson & Jackson that rotate: the energy changes by torque times angular velocity."""
+        drags = "JohnsonJacksonSlip; specularityCoefficient 0.6; restitutionCoefficient 1"
+        case, _ = self.case("spin", (1, 16, 1), (1.0, 4.0, 0.1), lambda x, r: (0 * r, 0 * r, 0 * r), 1.0,
+                            {"yLow": drags + "; origin (0 -2 0); axis (1 0 0); omega 0.2; value uniform (0 0 0)", "yHigh": rotating(-0.1, 2.0)},
+                            {"x": "cyclic"}, 2.0, functions=FORCES)
+        path = os.path.join(case, "0", "T")
+        with open(path) as f:
+            text = f.read().replace("yLow { type zeroGradient;", f"yLow {{ type {drags}; value uniform 1;")
+        with open(path, "w") as f:
+            f.write(text)
+        result = self.run_case(case)
+        budget = result.table("budget")
+        change = budget[-1, 5] - budget[0, 5]
+        self.assertGreater(change, 1e-3)
+        self.assertLess(abs(change - budget[-1, 9]), 1e-12 * budget[0, 5])
+        self.assertLess(np.abs(budget[:, [4, 12]]).max() / budget[0, 5], 1e-13)
+        work = 0
+        for name, omega in (("yLow", 0.2), ("yHigh", -0.1)):
+            rows = result.table(name, "moment.dat")
+            work -= (np.diff(rows[:, 0], prepend=0) * rows[:, 1]).sum() * omega
+        self.assertLess(abs(work / change - 1), 1e-9)
+
+
+def boxes_swirl(case):
+    """The swirl of the start."""
+    return harness.haff.Case(case).field("U", 0)[:, 2]
+
+
+if __name__ == "__main__":
+    unittest.main()
