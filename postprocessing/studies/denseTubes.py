@@ -12,7 +12,8 @@ import numpy as np
 import haff
 from haff.paths import program
 from studies.exact.eos import GoldshteinShapiro, PerfectGas
-from studies.exact.riemann import Riemann, Wave, bisect
+from studies.exact.riemann import Riemann, Wave
+from studies.exact.roots import root
 from studies.made import boxes
 
 ON = "commonCoeffs { shocks on; expansions on; contacts on; }\n"
@@ -214,7 +215,7 @@ class Standing:
         wave = Wave(eos, (rho, 0.0, eos.p(rho, T)), 1, 1.0)
         low, high = rho * (1 + 1e-9), min(eos.rho_max * (1 - 1e-12), rho * 4)
         speed = lambda r: np.sqrt((wave.shock_pressure(r) - wave.p0) * r / (rho * (r - rho)))
-        behind = float(bisect(lambda r: np.where(np.isfinite(wave.shock_pressure(r)), speed(r), np.inf) - u, low, high))
+        behind = float(root(lambda r: np.where(np.isfinite(wave.shock_pressure(r)), speed(r), np.inf) - u, low, high))
         self.states = (rho, u, wave.p0), (behind, u * rho / behind, float(wave.shock_pressure(behind)))
 
     def run(self, n, crossings, rules, **scheme):

@@ -20,6 +20,7 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
 from haff.start import enskog
+from studies.exact.roots import root
 
 ROOT_PI = np.sqrt(np.pi)
 
@@ -60,14 +61,9 @@ class Disks:
         return 0 * T
 
     def density(self, p, T):
-        """rho of a pressure: nu A = per p/T, by bisection."""
+        """rho of a pressure: nu = per p/(T A), whose sides are near to straight lines, in thin gas and near packing."""
         wanted = self.per * np.asarray(p / T, float)
-        low, high = np.zeros_like(wanted), np.full_like(wanted, self.packed * (1 - 1e-9))
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            less = middle * self.A(middle) < wanted
-            low, high = np.where(less, middle, low), np.where(less, high, middle)
-        return 0.5 * (low + high) / self.per
+        return root(lambda nu: nu - wanted / self.A(nu), 0 * wanted, 0 * wanted + self.packed * (1 - 1e-9)) / self.per
 
     def bulk(self, rho, T):
         return 2 / ROOT_PI * rho * self.sigma * np.sqrt(T) * self.G(rho * self.per)

@@ -9,7 +9,7 @@
     stagnation(gas, rho, T, speed)                   # rho, p, T where the gas is brought to rest on its isentrope
 
 Angles in radians, beta from the stream. The normal velocity ahead follows from the density behind through the Hugoniot
-curve; both that relation and the deflection on either branch are monotone and are inverted by bisection to round-off.
+curve; both that relation and the deflection on either branch are monotone and are inverted to round-off.
 
     haff obliqueShock MACH DEFLECTION [NU [e]]         prints a wedge's flow (degrees; NU = 0: perfect gas), upstream rho c^2 = 1
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 from haff import command
 from studies.exact.eos import GoldshteinShapiro, PerfectGas, isentrope
-from studies.exact.riemann import bisect
+from studies.exact.roots import root
 
 
 class ObliqueShock:
@@ -48,7 +48,7 @@ class ObliqueShock:
         """The state behind a shock at the angle beta (Mach angle .. pi/2)."""
         normal, along = self.speed * np.sin(beta), self.speed * np.cos(beta)
         top = min(self.eos.rho_max * (1 - 1e-15), self.rho * 1e6)
-        rho = bisect(lambda r: self.flux_squared(r) - (self.rho * normal) ** 2,
+        rho = root(lambda r: self.flux_squared(r) - (self.rho * normal) ** 2,
                      np.full(np.shape(beta), self.rho), np.full(np.shape(beta), top))
         p = self.p + self.rho * normal**2 * (1 - self.rho / rho)
         T, normal = self.eos.T(rho, p), normal * self.rho / rho
@@ -78,8 +78,8 @@ class ObliqueShock:
                              f"its shock detaches at {np.degrees(greatest):.4g}")
         ones = np.ones(np.shape(theta))
         if strong:
-            return bisect(lambda b: theta - self.deflection(b), top * ones, np.pi / 2 * ones)
-        return bisect(lambda b: self.deflection(b) - theta, self.mach_angle * ones, top * ones)
+            return root(lambda b: theta - self.deflection(b), top * ones, np.pi / 2 * ones)
+        return root(lambda b: self.deflection(b) - theta, self.mach_angle * ones, top * ones)
 
 
 def enthalpy(eos, rho, T):
@@ -94,7 +94,7 @@ def stagnation(eos, rho, T, speed):
         return enthalpy(eos, density, isentrope(eos, rho, T, density)[0]) - total
 
     top = min(eos.rho_max * (1 - 1e-12), rho * 1e6)
-    density = float(bisect(excess, rho, top))
+    density = float(root(excess, rho, top))
     temperature = float(isentrope(eos, rho, T, density)[0])
     return density, eos.p(density, temperature), temperature
 

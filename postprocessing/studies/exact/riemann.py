@@ -4,25 +4,14 @@
     solution = Riemann(GoldshteinShapiro(1.0), (44.5, 0.698, 3.528), (50, 0, 0.571))
     rho, u, p = solution.sample((x - x0)/t)
 
-Shocks satisfy the Rankine-Hugoniot conditions, rarefactions the Riemann invariants; both by bisection to round-off.
+Shocks satisfy the Rankine-Hugoniot conditions, rarefactions the Riemann invariants; both to round-off.
 """
 
 import numpy as np
 
 from haff import command
 from studies.exact.eos import GoldshteinShapiro, isentrope
-
-
-def bisect(function, low, high):
-    """Root of an increasing function, elementwise over arrays low and high, to the last bit."""
-    low, high = np.array(low, float), np.array(high, float)
-    for _ in range(200):
-        middle = (low + high) / 2
-        if np.all((middle == low) | (middle == high)):
-            break
-        below = function(middle) < 0
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return (low + high) / 2
+from studies.exact.roots import root
 
 
 class Wave:
@@ -41,7 +30,7 @@ class Wave:
             self.speed = (self.rho * self.u - self.rho0 * self.u0) / (self.rho - self.rho0) if star > self.p0 else None
         else:
             pressure = lambda rho: eos.p(rho, isentrope(eos, self.rho0, self.T0, rho)[0]) - star
-            self.rho = float(bisect(pressure, self.rho0 * 1e-12, self.rho0))
+            self.rho = float(root(pressure, self.rho0 * 1e-12, self.rho0))
             T, integral = isentrope(eos, self.rho0, self.T0, self.rho)
             self.u = self.u0 + sign * float(integral)
             self.head, self.tail = self.u0 + sign * self.c0, self.u + sign * float(eos.c(self.rho, T))
@@ -57,7 +46,7 @@ class Wave:
 
     def shock_density(self, star):
         top = min(self.eos.rho_max * (1 - 1e-15), self.rho0 * 1e6)
-        return float(bisect(lambda rho: self.shock_pressure(rho) - star, self.rho0, top))
+        return float(root(lambda rho: self.shock_pressure(rho) - star, self.rho0, top))
 
     def fan(self, speeds):
         """(rho, u, p) inside the rarefaction where x/t = speeds."""
@@ -68,7 +57,7 @@ class Wave:
             return self.u0 + sign * integral + sign * eos.c(rho, T)
 
         low, high = np.full(speeds.shape, self.rho), np.full(speeds.shape, self.rho0)
-        rho = bisect(lambda r: sign * (characteristic(r) - speeds), low, high)
+        rho = root(lambda r: sign * (characteristic(r) - speeds), low, high)
         T, integral = isentrope(eos, self.rho0, self.T0, rho)
         return rho, self.u0 + sign * integral, eos.p(rho, T)
 
@@ -84,7 +73,7 @@ class Riemann:
             raise ValueError("the two states part so fast that a vacuum opens")
         while velocity_gap(high) > 0:
             high *= 2
-        self.p = float(bisect(lambda p: np.where(velocity_gap(float(p)) > 0, -1.0, 1.0), low, high))
+        self.p = float(root(lambda p: np.array(-velocity_gap(float(p))), low, high))
         self.left, self.right = Wave(eos, left, -1, self.p), Wave(eos, right, +1, self.p)
         self.u = (self.left.u + self.right.u) / 2
 
