@@ -139,7 +139,7 @@ double expr_value_mixture(const struct expr *e, double x, double y, double z, do
 
 /* ---- at many points ---- */
 
-enum { BLOCK = 128, KEPT_BITS = 9, KEPT = 1 << KEPT_BITS };
+enum { BLOCK = 256, KEPT_BITS = 9, KEPT = 1 << KEPT_BITS };
 
 /* The last values that a function of the C library gave, by argument. On boxes, waves along and across the axes have
  * few arguments: there most values are found, and a cosine costs five times what finding it does. */
@@ -151,8 +151,15 @@ struct operand { /* of a block */
     double v[BLOCK];
 };
 
+struct block_points {
+    int n;
+    double x[3][BLOCK], t; /* m, s */
+};
+
 static void spread_out(struct operand *l, int n) {
-    for (int i = 1; l->same && i < n; i++) l->v[i] = l->v[0];
+    const double v = l->v[0];
+    if (l->same)
+        for (int i = 1; i < n; i++) l->v[i] = v;
     l->same = false;
 }
 
@@ -210,10 +217,12 @@ static void put(struct operand *l, double number) {
     l->v[0] = number;
 }
 
-static void load(struct operand *l, int variable, int n, const double *x, double t) {
+static void load(struct operand *l, int variable, int n, const struct block_points *p) {
+    if (variable > 2)
+        put(l, variable == 3 ? p->t : 0);
+    else
+        memcpy(l->v, p->x[variable], (size_t)n * sizeof *l->v);
     l->same = variable > 2;
-    l->v[0] = variable == 3 ? t : 0;
-    for (int i = 0; i < n && !l->same; i++) l->v[i] = x[3 * i + variable];
 }
 
 /* Is a step the call of a function of the library? */
@@ -221,8 +230,9 @@ static bool calls_library(const struct step *s) {
     return (s->op == CALL1 && !s->what->line) || (s->op == CALL2 && !s->what->lines);
 }
 
-static void evaluate_block(const struct expr *e, struct operand *stack, struct kept *kept, int n, const double *x,
-                           double t, double *out) {
+static void evaluate_block(const struct expr *e, const struct block_points *b, struct operand *stack, struct kept *kept,
+                           double *out) {
+    const int n = b->n;
     struct operand *top = stack;
     for (const struct step *s = e->step; s < e->step + e->count; s++) {
         switch (s->op) {
@@ -230,7 +240,7 @@ static void evaluate_block(const struct expr *e, struct operand *stack, struct k
             put(++top, s->number);
             break;
         case VARIABLE:
-            load(++top, s->variable, n, x, t);
+            load(++top, s->variable, n, b);
             break;
         case CALL1:
             call_one(s->what, n, kept, top);
@@ -262,7 +272,12 @@ static struct kept *make_kept(const struct expr *e, long points) {
 void expr_values(const struct expr *e, long n, const double *x, double t, double *out) {
     struct operand stack[EXPR_STACK + 1];
     struct kept *kept = make_kept(e, n);
-    for (long at = 0; at < n; at += BLOCK)
-        evaluate_block(e, stack, kept, (int)(n - at < BLOCK ? n - at : BLOCK), x + 3 * at, t, out + at);
+    struct block_points b = {.t = t};
+    for (long at = 0; at < n; at += b.n) {
+        b.n = n - at < BLOCK ? (int)(n - at) : BLOCK;
+        for (int i = 0; i < b.n; i++)
+            for (int k = 0; k < 3; k++) b.x[k][i] = x[3 * (at + i) + k];
+        evaluate_block(e, &b, stack, kept, out + at);
+    }
     free(kept);
 }
