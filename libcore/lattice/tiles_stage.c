@@ -68,8 +68,8 @@ static void nodal_visit(void *context, long offset, int n) {
 }
 
 /* Makes f the faces of a strip; out[v] are the lines of variable v in program
- * order, filled from `column` on. Written where it stays: a copy of what was just written waits until the writes are
- * done. */
+ * order, filled from `column` on. Filled in place: a copy of a struct that was just written would wait for the writes.
+ */
 static void make_faces(const struct gas *g, const double *U, const struct strip *s, double (*out)[BATCH], int column,
                        struct faces *f) {
     const struct work *w = &g->tiles->work;

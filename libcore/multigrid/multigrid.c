@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Conjugate gradients, preconditioned by a K-cycle of aggregates (Notay 2008): each level's correction is the best
- * combination of two, but where one is good. Smoothing is a sweep forward before and one backward after. */
+/* Conjugate gradients, preconditioned by a K-cycle of aggregates (Notay 2008): each level combines two cycles
+ * with the best weights; it makes only one if that is good enough. Smoothing is a sweep forward before and one backward
+ * after. */
 #include "libcore/multigrid/multigrid_private.h"
 
 /* x = M^-1 r with M = D + L in each block, from x = 0. */

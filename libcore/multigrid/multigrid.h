@@ -33,8 +33,8 @@ status multigrid_make(const struct comm *c, struct multigrid **out);
 void multigrid_free(struct multigrid *m);
 
 /* Prepares for a matrix. `same_links`: only weight and diagonal have changed since the last call, on every rank; then
- * the aggregates stay, which is cheaper, and good while the weights have not changed much. What a result's last bits
- * depend on is then older than this matrix: a run that shall continue to the bit says no at the start of each step.
+ * the aggregates stay, which is cheaper, and good while the weights have not changed much. The last bits of a
+ * result then depend on an earlier matrix. Pass false at the start of each step if a restart must have the same bits.
  * Collective. Fails with ERR_SYSTEM, on all ranks, if there is no memory. */
 status multigrid_setup(struct multigrid *m, const struct multigrid_rows *rows, bool same_links);
 

@@ -30,7 +30,8 @@ void flux_reconstruct_lines(const struct faces *f, const struct reconstruct *r, 
 /* Reconstructs a line q of cells to the faces from one side (+1: left, -1: right). */
 void flux_reconstruct(const struct faces *f, const double *q, int side, const struct reconstruct *r, double *out);
 
-/* Does so with p; under gravity without the pressures of gas at rest, which the face's own then takes the place of. */
+/* Does so with p. Under gravity it subtracts the pressures of gas at rest first, and adds that of the face afterwards.
+ */
 void flux_sided_pressure(const struct faces *f, int side, const struct reconstruct *r, double *out);
 
 /* ---- rules of single faces (flux_rules.c; docs/physics.md 6.12) ----

@@ -43,7 +43,7 @@ status source_fail(const struct source *s, int line, const char *format, ...) {
         return fail(
             ERR_INPUT,
             "%s:%d: this line cannot be read as it should; its text comes from a file outside of the case (a link "
-            "leads there) and is not shown: put a copy in place of the link to see what is wrong",
+            "leads there) and is not shown: replace the link by a copy to see what is wrong",
             s->path, line);
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);

@@ -32,7 +32,7 @@ static const struct param field_param[] = {
     NOTED("internalField", VALUE_TYPE, "required without an expression", "the cells' values",
           "internalField uniform 0.3;"),
     NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
-          "the cells' values, in place of internalField; constants pi, e; functions as in C",
+          "the values of the cells; it replaces internalField; constants pi, e; functions as in C",
           "expression \"0.1 + 0.2*exp(-y^2)\";"),
     NOTED("boundaryField", "dictionary", NULL, "a dictionary for each patch of the mesh, by its name",
           "boundaryField { \"front|back\" { type empty; } }"),

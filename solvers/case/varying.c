@@ -14,13 +14,13 @@
 
 static const struct param varying_param[] = {
     NOTED("expression", "expression of x, y, z, t; of a vector three: (\"..\" \"..\" \"..\")", "none",
-          "in place of the values", "expression \"0.3\";"),
-    NOTED("expression", "three expressions of x, y, z, t: (\"..\" \"..\" \"..\")", "none",
-          "of U in place of the values", "expression (\"0.3\" \"0\" \"0\");"),
+          "replaces the values", "expression \"0.3\";"),
+    NOTED("expression", "three expressions of x, y, z, t: (\"..\" \"..\" \"..\")", "none", "of U instead of the values",
+          "expression (\"0.3\" \"0\" \"0\");"),
 };
 static const struct param rate_param[] = {
-    NOTED("volumetricFlowRate", "number in m^3/s, or table ((t v) (t v) ..)", "none", "in place of massFlowRate",
-          "volumetricFlowRate 0.3;"),
+    NOTED("volumetricFlowRate", "number in m^3/s, or table ((t v) (t v) ..)", "none",
+          "by volume; instead of massFlowRate", "volumetricFlowRate 0.3;"),
     NOTED("extrapolateProfile", "switch: off", "off", "the velocity is uniform", "extrapolateProfile off;"),
     IGNORED("rhoInlet", "for OpenFOAM: rho on the patch is that of the field rho or alpha"),
 };
@@ -30,7 +30,7 @@ static const struct param rotation_param[] = {
     NOTED("axis", "vector (x y z)", "required with omega", "the axis, of any length: omega turns right-handed about it",
           "axis (0 1 0);"),
     NOTED("omega", "number in rad/s, table ((t v) (t v) ..), or \"expression of t\"", "none",
-          "of a wall of gas that rotates, a surface of revolution, in place of its velocity", "omega 0.3;"),
+          "of a wall of gas that rotates, a surface of revolution; it replaces the velocity", "omega 0.3;"),
 };
 #define COUNT(table) ((int)(sizeof table / sizeof *table))
 

@@ -20,7 +20,7 @@ static const char *const formats[] = {"binary", "ascii", NULL};
 static const struct param vtk_param[] = {
     EITHER("writeFormat", ascii, false, formats, "of the VTK files"),
     SWITCH("pieces", pieces, false,
-           "a .vtu for each rank and an index .pvtu, binary, in place of one .vtk: no rank holds the whole; lattices"),
+           "a .vtu for each rank and an index .pvtu, binary, instead of one .vtk: no rank holds the whole; lattices"),
 };
 
 static status vtk_make(struct function *f, struct dict *d) {

@@ -46,7 +46,7 @@ static const struct param perturbation_param[] = {
 };
 static const struct param file_param[] = {
     NOTED("settledLayer", "dictionary", "none",
-          "a layer at rest on the side of the box that gravity points to, in place of internalField",
+          "a layer at rest on the side of the box that gravity points to; it replaces internalField",
           "settledLayer { depth 6; packing 0.82; }"),
     NOTED("perturbation", "dictionary", "none", "a factor 1 + amplitude sum sin(2 pi (k x/L + random phase))",
           "perturbation { modes 20; amplitude 1e-3; seed 1; }"),

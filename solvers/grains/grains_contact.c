@@ -28,7 +28,7 @@ static const struct param hertz_param[] = {
            "of the material of grains and walls"),
     NUMBER("poissonsRatio", poisson, 0.3, FROM_TO(0, 0.5), NO_UNIT, "of that material"),
     NUMBER("dissipation", dissipation, USUALLY(-1, "none: restitution counts"), FROM_TO(0, 1), UNIT(0, 0, 1),
-           "A of viscoelastic spheres, in place of restitution, which then falls as the speed rises"),
+           "A of viscoelastic spheres; it replaces restitution, which then falls as the speed rises"),
     CHOICE("tangential", tangent, 0, tangent_names, "the tangential spring"),
 };
 static const struct param linear_param[] = {

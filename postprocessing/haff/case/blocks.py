@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""system/blockMeshDict in place of constant/polyMesh: blocks of equal boxes along the axes, as the solvers read them.
+"""system/blockMeshDict instead of constant/polyMesh: blocks of equal boxes along the axes, as the solvers read them.
 
 Points, faces and cells have the numbers that OpenFOAM's blockMesh gives them. FormatError: the file says something else than a union of
 boxes whose cells are all equal; the programs say what is wrong with it, and blockMesh makes a polyMesh of it.

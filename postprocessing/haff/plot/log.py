@@ -251,7 +251,7 @@ def main():
     parser.add_argument("case", metavar="CASE")
     parser.add_argument("-follow", action="store_true", help="renew it while the run goes on")
     parser.add_argument("-every", type=float, default=2.0, metavar="SECONDS", help="between two looks of -follow: 2")
-    parser.add_argument("-log", metavar="FILE", help="the log to read, in place of the table")
+    parser.add_argument("-log", metavar="FILE", help="the log to read instead of the table")
     parser.add_argument("-o", metavar="FILE", help="a picture is written; .png, .pdf or .svg")
     o = parser.parse_args()
     if o.o and not o.o.lower().endswith(tuple("." + f for f in figures.FORMATS)):
