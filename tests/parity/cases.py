@@ -89,6 +89,7 @@ SHIPPED = {
     "coolingGas": Row("coolingGas", {"L": 60, "N": 6}, ended(80)),
     "couetteDisks": Row("couetteDisks", {"N": 24}, ended(20)),
     "couetteSpheres": Row("couetteSpheres", {"N": 12}, ended(60)),
+    "cylinderDisks": Row("cylinderDisks", {"N": 6}, ended(100)),
     "cylinder": Row("cylinder", {"N": 8}, ended(0.4)),
     "demon": Row("demon", {}, ended(4)),
     "demonMD": Row("demonMD", {}, ended(40)),

@@ -3,7 +3,8 @@
 energy across the shock. Packing stands for density. Written from the jump conditions, not from the solver.
 
     packing, T, speed = diskShocks.piston(0.1)       # ahead of a piston of speed 1 in cold disks, seen from the piston
-    beta, packing = diskShocks.wedge(0.1, 0.003, 15) # weak shock over a wedge (degrees) in a stream of speed 1
+    packing, T = diskShocks.normal(0.1, 0.003)       # behind a normal shock in a stream of speed 1
+    beta, packing = diskShocks.wedge(0.1, 0.003, 15) # weak shock over a wedge (degrees) in such a stream
 """
 import numpy as np
 from scipy.optimize import brentq
@@ -18,18 +19,27 @@ def piston(alpha):
     return packed, T, alpha / (packed - alpha)
 
 
+def jump(alpha, T, fast, slow):
+    """Packing and T behind a shock across which the normal speed falls from `fast` to `slow`, and what momentum leaves of the pressure there."""
+    gas = disks.Disks(1.0)
+    packed, p = alpha * fast / slow, alpha * T * gas.A(alpha)
+    pressure = p + alpha * fast * (fast - slow)
+    hot = T + p / alpha + fast**2 / 2 - slow**2 / 2 - pressure / packed
+    return packed, hot, pressure - packed * hot * gas.A(packed)
+
+
+def normal(alpha, T):
+    """Packing and T behind a normal shock."""
+    slow = brentq(lambda u: jump(alpha, T, 1, u)[2], 1.02 * alpha / disks.Disks.packed, 0.8)
+    return tuple(map(float, jump(alpha, T, 1, slow)[:2]))
+
+
 def wedge(alpha, T, deflection):
     """Angle of the weak shock from the stream (degrees), and packing behind it."""
-    gas, turn = disks.Disks(1.0), np.radians(deflection)
+    turn = np.radians(deflection)
 
-    def jump(beta):
-        """Packing behind, and what momentum and energy across the shock leave of the pressure there."""
-        normal = np.sin(beta)
-        slow = normal * np.tan(beta - turn) / np.tan(beta)
-        packed, p = alpha * normal / slow, alpha * T * gas.A(alpha)
-        pressure = p + alpha * normal * (normal - slow)
-        hot = T + p / alpha + normal**2 / 2 - slow**2 / 2 - pressure / packed
-        return packed, pressure - packed * hot * gas.A(packed)
-
-    beta = brentq(lambda angle: jump(angle)[1], 1.2 * turn, turn + np.radians(25))
-    return float(np.degrees(beta)), float(jump(beta)[0])
+    def behind(beta):
+        fast = np.sin(beta)
+        return jump(alpha, T, fast, fast * np.tan(beta - turn) / np.tan(beta))
+    beta = brentq(lambda angle: behind(angle)[2], 1.2 * turn, turn + np.radians(25))
+    return float(np.degrees(beta)), float(behind(beta)[0])

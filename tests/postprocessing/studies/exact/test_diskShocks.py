@@ -26,6 +26,16 @@ class Shocks(unittest.TestCase):
         self.assertAlmostEqual(beta, np.degrees(angle), delta=1e-4)
         self.assertAlmostEqual(packed / 1e-8, known.behind(angle).rho, delta=1e-5)
 
+    def test_normal(self):
+        """Dilute: the known jump of gamma = 2 at Mach 4; dense: mass, momentum and energy, seen from the shock."""
+        packed, T = diskShocks.normal(1e-8, 1 / 32)
+        self.assertAlmostEqual(packed / 1e-8, 3 * 16 / (16 + 2), delta=1e-5)
+        self.assertAlmostEqual(T * 32, (2 * 2 * 16 - 1) / 3 * 18 / (3 * 16), delta=1e-5)
+        packed, T = diskShocks.normal(0.2, 0.02)
+        A, slow = disks.Disks(1.0).A, 0.2 / packed
+        self.assertAlmostEqual(packed * T * A(packed) + packed * slow**2, 0.2 * 0.02 * A(0.2) + 0.2, delta=1e-10)
+        self.assertAlmostEqual(T * (1 + A(packed)) + slow**2 / 2, 0.02 * (1 + A(0.2)) + 0.5, delta=1e-10)
+
     def test_dense_piston(self):
         """Mass and momentum, seen from the piston: what arrives is 0.1 (1 + speed), and the pressure stops it."""
         packed, T, speed = diskShocks.piston(0.1)
