@@ -16,6 +16,7 @@ COMMANDS = {
     "fromOpenFOAM": ("haff.openfoam.fromOpenFOAM", "a case of rhoCentralFoam, rhoPimpleFoam or sonicFoam as a case of haff"),
     "Plot": ("haff.plot.plotCase", "a picture of any field of a case; also called haffPlot"),
     "Movie": ("haff.plot.movie", "a film of a field; also called haffMovie"),
+    "turn": ("haff.plot.turn", "an axisymmetric case turned about its axis, as VTK in 3D"),
     "Log": ("haff.plot.log", "how a run goes: time steps, extremes, drift, speed; also called haffLog"),
     "report": ("haff.report.report", "a report of a run as one HTML file: pictures, films, plots, provenance; of sweeps and of two cases, too"),
     "figure": ("haff.plot.script", "the figure of a shipped case, by its figure.py"),

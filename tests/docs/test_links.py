@@ -35,6 +35,7 @@ COMMANDS = {
     "haff report CASE -follow": "tests/postprocessing/report/test_report.py::test_follow",
     "haff report bouncingBed bouncingBedMD": "tests/postprocessing/report/test_report.py::test_pair",
     "haff report CASE-sweep": "tests/postprocessing/report/test_report.py::test_sweep",
+    "haff turn CASE -angle 270": "tests/postprocessing/plot/test_turn.py::test_volumes",
     "haff columns CASE t.csv 0.5": "tests/postprocessing/layers/test_columns.py::test_of_a_gas",
     "haff expected CASE": "tests/cases/runtime/test_checkCases.py::test_expected",
     "haff faraday CASE": "tests/postprocessing/layers/test_faraday.py::test_command",
