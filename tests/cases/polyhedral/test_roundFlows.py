@@ -177,6 +177,27 @@ class RoundFlows(harness.Folder, unittest.TestCase):
                 self.run_case(part)
                 runs.same(self, runs.contents(os.path.join(one, "0.1")), runs.contents(os.path.join(part, "0.1")), "restart")
 
+    def test_carried(self):
+        """What gas carries is conserved over the full turn, within its bounds; a uniform quantity keeps its bits; the same on 3 ranks."""
+        for engine in ({}, POLYHEDRAL):
+            with self.subTest(**engine):
+                ends = []
+                for ranks in (1, 3):
+                    case, x = self.whirl(f"carried{ranks}{len(engine)}", **engine)
+                    runs.add(case, "constant/granularProperties", "carried { dye { type passive; diffusivity 0.3; } mark { type passive; } }\n")
+                    for name, values in (("dye", np.where(x[:, 1] < 1.5, 1.0, 0.0)), ("mark", np.full(len(x), 0.3))):
+                        boxes.DIMENSIONS[name] = "[0 0 0 0 0 0 0]"
+                        boxes.write_field(case, name, values, '".*" zeroGradient\nyLow symmetryPlane\nzEmpty empty')
+                    ends.append(self.run_case(case, ranks))
+                one, three = ends
+                amount = [(one.field("alpha", t) * one.field("dye", t) * x[:, 1]).sum() for t in (0, 0.5)]
+                self.assertLess(abs(amount[1] / amount[0] - 1), 1e-13)
+                dye = one.field("dye")
+                self.assertTrue(dye.min() >= 0 and dye.max() <= 1)
+                self.assertGreater(np.abs(dye - one.field("dye", 0)).max(), 0.2)
+                np.testing.assert_array_equal(one.field("mark"), 0.3)
+                np.testing.assert_array_equal(three.field("dye"), dye)
+
     def test_implicit(self):
         """Implicit diffusion finds the flow that super steps find."""
         for engine in ({}, POLYHEDRAL):
