@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Carried quantities on a lattice (libcore/gas/carried.h). Lines over faces have a line for each axis; a face stands
- * where the cell above it does. Slopes within cells are those of van Leer's monotonised central differences. */
+ * where the cell above it does. Slopes within cells are those of van Leer's monotonised central differences. In bodies
+ * of revolution what crosses a face counts with the radius of the face, and a density with that of the cell. */
 #include "libcore/gas/carried.h"
 #include "libcore/lattice/tiles_diffuser.h"
 
@@ -25,18 +26,44 @@ void tiles_carried_free(struct gas *g) {
     (void)g;
 }
 
+/* Multiplies a line of the faces below n cells from `offset` on along an axis by their radii. */
+static void weigh_faces(const struct gas *g, int tile, int axis, long offset, int n, double *q) {
+    const struct forest *f = g->forest;
+    const double shift = axis == f->radial ? 0 : 0.5;
+    for (int i = 0; i < n && f->radial >= 0; i++)
+        q[i] *= forest_radius(f, forest_place_along(f, tile, offset + i, f->radial) + shift);
+}
+
+/* Multiplies a line of n cells by their radii. */
+static void weigh_cells(const struct gas *g, int tile, long offset, int n, double *rho) {
+    double room[BATCH];
+    const double *radius = row_radius(g, tile, offset, n, room);
+    for (int i = 0; i < n && radius; i++) rho[i] *= radius[i];
+}
+
 /* ---- in the stages ---- */
 
 void tiles_carry_begin(struct gas *g, int tile, const double *U) {
     const long size = g->forest->size;
-    for (int a = 0; a < g->dim; a++)
-        for (long i = 0; i < size; i++) g->carried->flux[tile][a * size + i] = U[(a + 1) * size];
+    for (int a = 0; a < g->dim; a++) {
+        double *to = g->carried->flux[tile] + a * size;
+        for (long i = 0; i < size; i++) to[i] = U[(a + 1) * size];
+        weigh_faces(g, tile, a, 0, (int)size, to);
+    }
 }
 
 void tiles_carry(struct gas *g, int tile, int axis, long offset, int n, const double *low, const double *high) {
+    const long step = g->forest->stride[axis];
     double *to = g->carried->flux[tile] + axis * g->forest->size + offset;
     memcpy(to, low, (size_t)n * sizeof *to);
-    memcpy(to + g->forest->stride[axis], high, (size_t)n * sizeof *to);
+    if (step == 1) {
+        memcpy(to + 1, high, (size_t)n * sizeof *to);
+        weigh_faces(g, tile, axis, offset, n + 1, to);
+        return;
+    }
+    memcpy(to + step, high, (size_t)n * sizeof *to);
+    weigh_faces(g, tile, axis, offset, n, to);
+    weigh_faces(g, tile, axis, offset + step, n, to + step);
 }
 
 void tiles_carried_bed(struct gas *g, double dt) {
@@ -48,7 +75,9 @@ void tiles_carried_bed(struct gas *g, double dt) {
                 const int entry = bed->face_of_cell[2 * g->dim * cell + side], face = entry < 0 ? ~entry : entry;
                 const long above = side % 2 ? f->stride[side / 2] : 0;
                 double *mass = g->carried->mass[g->dense->row[r].block] + side / 2 * f->size + at + above;
-                if (bed->kind[face] != BED_KEPT) *mass = dt * bed->kept[0][face];
+                if (bed->kind[face] == BED_KEPT) continue;
+                *mass = dt * bed->kept[0][face];
+                weigh_faces(g, g->dense->row[r].block, side / 2, at + above, 1, mass);
             }
 }
 
@@ -135,6 +164,8 @@ static void terms_of_axis(struct gas *g, int tile, int axis, double dt) {
         P[i] = mean * (speed[i - step] + speed[i]) * c->up[axis];
         K[i] = mean * (D[i - step] + D[i]) / f->width[axis];
     }
+    weigh_faces(g, tile, axis, step, (int)(f->size - step), P + step);
+    weigh_faces(g, tile, axis, step, (int)(f->size - step), K + step);
 }
 
 /* Through patches nothing percolates; what diffuses has half the way. */
@@ -188,11 +219,13 @@ static void out_visit(void *measure, long offset, int n) {
     struct measure *m = measure;
     const struct gas *g = m->g;
     const double *before = g->V.block[m->tile] + offset, *now = g->U.block[m->tile] + offset;
-    double out[BATCH] = {0};
+    double out[BATCH] = {0}, room[BATCH];
+    const double *radius = row_radius(g, m->tile, offset, n, room);
     for (int a = 0; a < g->dim; a++) {
         const struct both_faces s = both_faces_of(g, m->tile, a, offset);
         carried_out(n, &s, out);
     }
+    for (int i = 0; i < n && radius; i++) out[i] /= radius[i];
     for (int i = 0; i < n; i++) m->most = larger(m->most, carried_share(out[i], before[i], now[i]));
 }
 
@@ -261,10 +294,11 @@ struct carry { /* context of the visitors below */
     int tile;
 };
 
-/* The density at a time within the step. */
+/* The density at a time within the step; in bodies of revolution times the radius. */
 static void density_at(const struct carry *m, double when, long offset, int n, double *rho) {
     const double *before = m->g->V.block[m->tile] + offset, *now = m->g->U.block[m->tile] + offset;
     for (int i = 0; i < n; i++) rho[i] = when == 1 ? now[i] : before[i] + when * (now[i] - before[i]);
+    weigh_cells(m->g, m->tile, offset, n, rho);
 }
 
 static void slopes_visit(void *moving, long offset, int n) {

@@ -101,8 +101,10 @@ ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *
 
 /* The gradients of a row of cells, or in a row of ghosts the derivatives along the side. That of the velocity along the
  * radius is its divergence in the body of revolution, as the stress along the axis wants. */
-ALWAYS_INLINE void row_gradients(const struct forest *f, const int *n, int dim, int j, int k, const double *S,
-                                 const double *ghosts, const double *turn, double *out) {
+ALWAYS_INLINE void row_gradients(const struct sweep *s, int dim, int j, int k, const double *turn, double *out) {
+    const struct forest *f = s->g->forest;
+    const int *n = f->tile[s->tile].n;
+    const double *S = s->S, *ghosts = s->g->tiles->diffuser->gradient[s->tile];
     const long at = f->first + j * f->stride[1] + k * f->stride[2];
     const int beyond = j < 0 || j >= n[1] ? 1 : k < 0 || k >= n[2] ? 2 : 0, vectors = padded(n[0]);
     for (int line = 0; line < dim * dim; line++) {
@@ -207,19 +209,45 @@ ALWAYS_INLINE void faces_of(int dim, int m, bool ends, const struct sweep *s, co
     }
 }
 
-/* What a row of cells gains in line v; lines as in viscous_sweep. */
-static void turn_gain_of(const struct sweep *s, int v, int n, const double *turn, const struct faces_around *f,
-                         double (*x)[LINE], double (*low)[LINE], double (*high)[LINE], double *out) {
-    struct turn_row r = {.n = n, .line = v, .turn = turn, .out = out};
+struct row_lines { /* lines of the faces around a row of cells, as struct faces_around has them */
+    double (*x)[LINE], (*y[2])[LINE], (*z[2])[LINE];
+};
+
+/* What a row of cells gains in line v in a body of revolution. */
+static void turn_gain_of(const struct sweep *s, int v, int n, const double *turn, const struct row_lines *l,
+                         double *out) {
     const bool across = s->g->forest->radial == 0; /* is it axis 0 that leads along the radius? */
-    r.low = across ? f->x : f->y[0];
-    r.high = across ? f->x + 1 : f->y[1];
-    r.hoop_low = across ? x[HOOP] : low[HOOP];
-    r.hoop_high = across ? x[HOOP] + 1 : high[HOOP];
-    r.along[0] = across ? f->y[0] : f->x;
-    r.along[1] = across ? f->y[1] : f->x + 1;
-    if (s->g->dim == 1) r.along[0] = NULL;
-    turn_gain(s->g, &r);
+    const double *x[2] = {l->x[v], l->x[v] + 1}, *y[2] = {l->y[0][v], l->y[1][v]};
+    const double **radial = across ? x : y, **axial = across ? y : x;
+    turn_gain(s->g, &(struct turn_row){.n = n,
+                                       .line = v,
+                                       .low = radial[0],
+                                       .high = radial[1],
+                                       .hoop_low = across ? l->x[HOOP] : l->y[0][HOOP],
+                                       .hoop_high = across ? l->x[HOOP] + 1 : l->y[1][HOOP],
+                                       .along = {s->g->dim > 1 ? axial[0] : NULL, axial[1]},
+                                       .turn = turn,
+                                       .out = out});
+}
+
+/* Takes what the faces bring to a row of cells: to S of the next stage, or in the end to M. */
+ALWAYS_INLINE void take_gains(struct sweep *s, int dim, int lines, const double *turn, long at,
+                              const struct row_lines *l, double (*M)[BATCH]) {
+    const struct diffuser *d = s->g->tiles->diffuser;
+    const int n = s->g->forest->tile[s->tile].n[0], vectors = padded(n);
+    const long size = s->g->forest->size;
+    for (int v = 0; v < lines; v++) {
+        const struct faces_around around = {l->x[v], {l->y[0][v], l->y[1][v]}, {l->z[0][v], l->z[1][v]}};
+        const long to = v * size + at;
+        const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + to, s->S + to, s->next + to};
+        if (turn)
+            turn_gain_of(s, v, n, turn + at, l, M[v]);
+        else if (M)
+            gain_row(vectors, dim, &around, M[v]);
+        else
+            next_row(vectors, dim, &around, &row);
+        if (turn && s->c) next_of_gains(n, M[v], NULL, &row);
+    }
 }
 
 /* Notes the stress on the sides of a tile that row (j, k) touches; lines as in viscous_sweep. */
@@ -242,12 +270,11 @@ static void note_sides(const struct sweep *s, int j, int k, const double *x, con
  * rows in turn. */
 ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, bool plain, bool round) {
     const struct forest *f = s->g->forest;
-    const struct diffuser *d = s->g->tiles->diffuser;
-    const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = m + ends;
+    const int *n = f->tile[s->tile].n;
     const long size = f->size, *stride = f->stride;
     _Alignas(64) double x[STRESS_LINES][LINE] = {{0}}, y[2][STRESS_LINES][LINE], z[2][STRESS_LINES][LINE], M[4][BATCH];
     _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE], outer[2][MAX_DIM * MAX_DIM * LINE];
-    const double *ghosts = d->gradient[s->tile], *turn = round ? turn_line(s->g, s->tile, 0) : NULL;
+    const double *turn = round ? turn_line(s->g, s->tile, 0) : NULL;
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
             const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
@@ -256,33 +283,22 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
             if (j >= 0)
                 faces_of(dim, m, ends, s, turn, size, stress_row(s, 0, plain, at, here + EDGE - 1, here + EDGE, x));
             else
-                row_gradients(f, n, dim, j, k, s->S, ghosts, turn, here);
+                row_gradients(s, dim, j, k, turn, here);
             if (dim > 1) {
-                row_gradients(f, n, dim, j + 1, k, s->S, ghosts, turn, next);
+                row_gradients(s, dim, j + 1, k, turn, next);
                 faces_of(dim, m, ends, s, turn, size, stress_row(s, 1, plain, above, here + EDGE, next + EDGE, high));
             }
             if (j < 0) continue;
             for (int i = 0; dim > 2 && i < 2; i++) {
                 const long top = at + i * stride[2];
-                row_gradients(f, n, dim, j, k + 2 * i - 1, s->S, ghosts, turn, outer[i]);
+                row_gradients(s, dim, j, k + 2 * i - 1, turn, outer[i]);
                 viscous_faces(
                     dim, m, ends, size,
                     stress_row(s, 2, plain, top, (i ? here : outer[0]) + EDGE, (i ? outer[1] : here) + EDGE, z[i]));
             }
             if (ends && s->g->books.tally) note_sides(s, j, k, x[0], low[0], high[0], z[0][0], z[1][0]);
-            for (int v = 0; v < lines; v++) {
-                const struct faces_around around = {x[v], {low[v], high[v]}, {z[0][v], z[1][v]}};
-                const long to = v * size + at;
-                const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + to, s->S + to,
-                                              s->next + to};
-                if (turn) turn_gain_of(s, v, n[0], turn + at, &around, x, low, high, M[v]);
-                if (turn && !ends) next_of_gains(n[0], M[v], NULL, &row);
-                if (turn) continue;
-                if (ends)
-                    gain_row(vectors, dim, &around, M[v]);
-                else
-                    next_row(vectors, dim, &around, &row);
-            }
+            take_gains(s, dim, m + ends, turn, at, &(struct row_lines){x, {low, high}, {z[0], z[1]}},
+                       ends || round ? M : NULL);
             if (ends) end_row(s, at, n[0], M);
         }
 }

@@ -40,17 +40,16 @@ void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt) {
 }
 
 /* Adds half of div u to `spread` in a row of cells, at whose first cell U stands. A central difference has the mean of
- * both cells on each face; along the radius, if `radial` is an axis, it is that of half_divergence. */
-KERNEL static void add_half_spread(int n, int dim, const long *stride, const double *width, long size,
-                                   const double *restrict U, int radial, const double *restrict lean,
+ * both cells on each face; along the radius of a body of revolution it is that of half_divergence. */
+KERNEL static void add_half_spread(int n, const struct forest *f, const double *restrict U, const double *restrict lean,
                                    double *restrict spread) {
     double sum[BATCH] = {0};
-    for (int axis = 0; axis < dim; axis++) {
-        const double quarter = 0.25 / width[axis], *restrict m = U + (axis + 1) * size;
-        const long step = stride[axis];
-        for (int i = 0; i < n && axis != radial; i++)
+    for (int axis = 0; axis < f->dim; axis++) {
+        const double quarter = 0.25 / f->width[axis], *restrict m = U + (axis + 1) * f->size;
+        const long step = f->stride[axis];
+        for (int i = 0; i < n && axis != f->radial; i++)
             sum[i] += quarter * (m[i + step] / U[i + step] - m[i - step] / U[i - step]);
-        for (int i = 0; i < n && axis == radial; i++)
+        for (int i = 0; i < n && axis == f->radial; i++)
             sum[i] += quarter * ((1 + 2 * lean[i]) * (m[i + step] / U[i + step]) -
                                  (1 - 2 * lean[i]) * (m[i - step] / U[i - step]));
     }
@@ -64,8 +63,7 @@ void tiles_diffusion_spread(const struct gas *g, const struct state *from, const
     memset(spread, 0, (size_t)row->n * sizeof *spread);
     const double *turn = turn_line(g, row->block, LEAN);
     for (int i = 0; i < 2; i++)
-        add_half_spread(row->n, f->dim, f->stride, f->width, f->size, both[i]->block[row->block] + row->at,
-                        turn ? f->radial : -1, turn ? turn + row->at : NULL, spread);
+        add_half_spread(row->n, f, both[i]->block[row->block] + row->at, turn ? turn + row->at : NULL, spread);
 }
 
 void tiles_diffusion_ghosts(struct gas *g, const struct state *s) {

@@ -158,6 +158,7 @@ double cells_rest_near(const struct gas *g, int cell, double *p);
 
 status cells_round_make(struct gas *g);
 void cells_round_free(struct cells_round *r);
+double cells_round_side(const struct gas *g, int i); /* A_2/V of cell i, 1/m */
 /* Notes the pressures on both sides of the points of faces first <= i < last. */
 void cells_round_note(const struct gas *g, int first, int last, const double *left, const double *right);
 /* Adds the pressure along the radius to the residuals of n <= BATCH cells, whose variables lie g->size apart from U on,

@@ -24,7 +24,18 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     bool skewed;              /* is any r not 0? */
     int last;                 /* which of the two sums is that of the last stage */
     struct entries weights;   /* of the gradients */
+    struct cells_turn *turn;  /* NULL: the mesh is none of a body of revolution */
 };
+/* Bodies of revolution (libcore/polyhedral/cells_turn.c). */
+status cells_turn_make(const struct gas *g, struct cells_turn **out);
+void cells_turn_free(struct cells_turn *t);
+/* Sets u_r/r on n faces from `at` on, by S, and where the stress around the axis on them goes. */
+void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, double *const *S, const double **around,
+                      double **hoop);
+/* Adds the force of the stress around the axis to line v of the residuals of n cells, if it is that of the radius. */
+void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int at, int n, double *M);
+/* What that stress adds to the sum over the faces of cell i that bounds its rate. */
+double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i);
 
 /* The coefficient of two ways one behind the other: `share` of the way with a, 1 - share with b. Two zeros give 0. */
 ALWAYS_INLINE double harmonic(double share, double a, double b) {

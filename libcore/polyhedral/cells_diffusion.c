@@ -79,6 +79,7 @@ status cells_diffuser_make(struct gas *g) {
         d->lifts |= wall_slides(r) || (g->diffusion.terms.cross && wall_conducts(r));
     }
     if (g->diffusion.terms.cross) TRY(cells_cross_make(g, d));
+    if (m->round.radial >= 0) TRY(cells_turn_make(g, &d->turn));
     TRY(lines_allocate(d->face, 3, faces));
     TRY(lines_allocate(d->oblique, g->dim, faces));
     TRY(lines_allocate(&d->inverse, 1, faces));
@@ -98,6 +99,7 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     lines_drop(d->cell, 3);
     lines_drop(d->face, 3);
     lines_drop(d->oblique, MAX_DIM);
+    cells_turn_free(d->turn);
     free(d->T);
     free(d->wall.drag);
     free(d->wall.heat);
@@ -176,6 +178,7 @@ static void cell_rates(const struct gas *g, int i, double rho, double rate[2]) {
         const double wall = face < m->face.ninternal ? 0 : d->wall.heat[face - m->face.ninternal];
         sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
     }
+    if (d->turn) sum[0] += cells_turn_rate(g, d->turn, i);
     const double per = c->inverse_volume[i] / rho;
     rate[0] = per * sum[0];
     rate[1] = temperature_of(&g->models.material, per) * sum[1];
@@ -249,6 +252,9 @@ struct sides { /* a batch of faces, and the cells on both sides */
         *keep; /* keep: 0 on faces that leave out the gradients, else 1; NULL: all take them */
     const double *normal[MAX_DIM], *oblique[MAX_DIM];
     const double *face[3];
+    int components;       /* of bodies of revolution, as all behind: components of u */
+    const double *around; /* u_r/r on the faces */
+    double *hoop;         /* stress around the axis, times the area */
 };
 
 ALWAYS_INLINE void take_jumps(const struct sides *f, const double *restrict q, double *restrict jump,
@@ -273,8 +279,8 @@ ALWAYS_INLINE void take_mean(const struct sides *f, const double *restrict q, do
 /* With the gradient G = M + n (a - n.M) of the head of this file, M the mean and a = n.G: the force of the left cell on
  * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. The components c of u from dim on, up to
  * m, lie along axes without derivatives: their force is -mu a_c alone. */
-ALWAYS_INLINE void viscous_faces(int dim, int m, const struct sides *f, double *const *S, double *const *gradient,
-                                 double *const *out) {
+ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct sides *f, double *const *S,
+                                 double *const *gradient, double *const *out) {
     double a[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH], found[MAX_DIM + 1][BATCH];
     double stretch[BATCH] = {0}, trace[BATCH] = {0};
     const struct sides g = *f; /* neither this nor `found` is seen from outside, or compilers expect them to overlap */
@@ -291,6 +297,10 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, const struct sides *f, double *
             stretch[i] += g.normal[c][i] * (a[c][i] - along);
             if (dim > 1) trace[i] += M[c * m + c][i];
         }
+    for (int i = 0; i < g.n && round; i++) {
+        trace[i] += g.around[i];
+        g.hoop[i] = g.face[0][i] * (trace[i] + stretch[i]) + 2 * g.face[1][i] * g.around[i];
+    }
     for (int i = 0; i < g.n; i++) found[m][i] = 0;
     for (int k = 0; k < dim; k++)
         for (int i = 0; i < g.n; i++) {
@@ -326,7 +336,7 @@ ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, d
     KERNEL static void faces_##dim##_##m(enum diffusing what, const struct sides *f, double *const *S,                 \
                                          double *const *gradient, double *const *out) {                                \
         if (what == VISCOUS)                                                                                           \
-            viscous_faces(dim, m, f, S, gradient, out);                                                                \
+            viscous_faces(dim, m, false, f, S, gradient, out);                                                         \
         else                                                                                                           \
             heat_faces(dim, f, S[0], dim > 1 ? gradient : NULL, out[0]);                                               \
     }
@@ -336,12 +346,23 @@ FACES(1, 3)
 FACES(2, 2)
 FACES(2, 3)
 FACES(3, 3)
+#define ROUND_FACES(dim)                                                                                               \
+    KERNEL static void round_faces_##dim(enum diffusing what, const struct sides *f, double *const *S,                 \
+                                         double *const *gradient, double *const *out) {                                \
+        if (what == VISCOUS)                                                                                           \
+            viscous_faces(dim, f->components, true, f, S, gradient, out);                                              \
+        else                                                                                                           \
+            heat_faces(dim, f, S[0], dim > 1 ? gradient : NULL, out[0]);                                               \
+    }
+ROUND_FACES(1)
+ROUND_FACES(2)
 
 typedef void faces_function(enum diffusing what, const struct sides *f, double *const *S, double *const *gradient,
                             double *const *out);
-/* By the dimension and the components of u beyond it. */
+/* By the dimension and the components of u beyond it; of bodies of revolution by the dimension. */
 static faces_function *const faces_of[3][3] = {
     {faces_1_1, faces_1_2, faces_1_3}, {faces_2_2, faces_2_3, NULL}, {faces_3_3, NULL, NULL}};
+static faces_function *const round_faces_of[2] = {round_faces_1, round_faces_2};
 
 /* Fluxes through faces first <= i < last, into the lines c->flux from 0 on: momentum, then work; or heat. */
 static void find_fluxes(struct gas *g, enum diffusing what, int first, int last) {
@@ -368,7 +389,9 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
                       : heat ? d->keep[at + i]
                              : 1;
         if (flagged || heat) f.keep = keep;
-        faces_of[g->dim - 1][g->components - g->dim](
+        f.components = g->components;
+        if (d->turn) cells_turn_faces(g, d->turn, at, f.n, d->sum[d->last], &f.around, &f.hoop);
+        (d->turn ? round_faces_of[g->dim - 1] : faces_of[g->dim - 1][g->components - g->dim])(
             what, &f, d->sum[d->last], what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
     }
 }
@@ -428,6 +451,7 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
         const int n = nown - at < BATCH ? nown - at : BATCH;
         for (int v = 0; v < lines_of(g, what); v++) {
             cells_residuals(g->cells, at, n, g->cells->flux[v], M);
+            if (d->turn && what == VISCOUS) cells_turn_push(g, d->turn, v, at, n, M);
             double *next = d->sum[1 - d->last][v] + at;
             sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[d->last][v] + at, next);
             for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * g->diffusion.friction[0][at + i];
@@ -441,6 +465,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     struct cells_diffuser *d = g->cells->diffuser;
     const struct polyhedra *m = g->cells->polyhedra;
     const double *from = Y0->block[0];
+    const int radial = m->round.radial;
     double M[MAX_DIM + 1][BATCH];
     long count = 0;
     flow(g, what, weight);
@@ -450,6 +475,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         for (int v = 0; v <= (what == VISCOUS ? g->components : 0); v++)
             cells_residuals(g->cells, at, n, g->cells->flux[v], M[v]);
+        if (d->turn && what == VISCOUS) cells_turn_push(g, d->turn, radial, at, n, M[radial]);
         const double *E = from + energy_at(g) * g->size;
         count += move_row(g, &(struct moved){what, {0, at, n}, from, E, to->block[0], dt, M});
     }

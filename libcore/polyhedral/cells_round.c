@@ -77,3 +77,7 @@ void cells_round_push(const struct gas *g, int at, int n, const double *U, doubl
     for (int i = 0; i < n; i++)
         residual[radial + 1][i] += g->cells->round->side[at + i] * (q.p[i] + plane_mean(g, at + i));
 }
+
+double cells_round_side(const struct gas *g, int i) {
+    return g->cells->round->side[i];
+}

@@ -91,7 +91,8 @@ void cells_diffusion_cross(struct gas *g, const struct state *to, double dt) {
 }
 
 /* The volume that the gas on a face sweeps beyond what the gas of the cell does, so that the sum over the faces of a
- * cell in uniform gas is exactly 0. Gas on a wall sweeps nothing. */
+ * cell in uniform gas is exactly 0. Gas on a wall sweeps nothing. In a body of revolution the gas of the cell itself
+ * sweeps the difference of its sides. */
 static double swept_beyond(const struct gas *g, double *const U[MAX_VAR], int cell, int face) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct polyhedra_faces *f = &m->face;
@@ -121,5 +122,7 @@ void cells_diffusion_spread(const struct gas *g, const struct state *from, const
             sum += swept_beyond(g, U[0], cell, face) + swept_beyond(g, U[1], cell, face);
         }
         spread[i] = 0.5 * g->cells->inverse_volume[cell] * sum;
+        for (int k = 0; k < 2 && g->cells->round; k++)
+            spread[i] += 0.5 * cells_round_side(g, cell) * (U[k][m->round.radial + 1][cell] / U[k][0][cell]);
     }
 }

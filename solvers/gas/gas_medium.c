@@ -133,8 +133,6 @@ static status gas_read_state(struct setup *s) {
     if (models->swirl && s->grid->polyhedra)
         return round_refuse(s, "swirl, a velocity around the axis, on polyhedra",
                             "take that component out of U, or mesh it by blocks of equal cells");
-    if (models->transport && s->mesh->round.on && s->grid->polyhedra)
-        return round_refuse(s, "transport on polyhedra", "say  transport none;  in constant/granularProperties");
     TRY(check_scheme(s, g));
     if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)
         return dict_fail(g->models->properties, "transport",

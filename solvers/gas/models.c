@@ -435,7 +435,6 @@ status models_round(const struct setup *s, struct case_models *m) {
         return round_refuse(s, "a law of the shear rate", "choose another law of transport or cooling");
     if (gas_rubs(&m->gas) && s->dim < 2)
         return round_refuse(s, "friction on radial cells alone", "give the mesh cells along the axis, too");
-    if (m->gas.ncarried) return round_refuse(s, "`carried`", "take it out of constant/granularProperties");
     return OK;
 }
 

@@ -114,6 +114,7 @@ SHIPPED = {
     "pile": Row("pile", {"N": 10}, ended(0.1)),
     "piston": Row("piston", {"N": 100}, ended(40)),
     "poiseuilleDisks": Row("poiseuilleDisks", {"N": 20}, ended(20)),
+    "pipe": Row("pipe", {"N": 12}, ended(10)),
     "pulsedInlet": Row("pulsedInlet", {"N": 160}, ended(2), stop=1),
     "riemann2D": Row("riemann2D", {"N": 80}, ended(0.3)),
     "sedimentation": Row("sedimentation", {"N": 50}, ended(0.05)),

@@ -6,13 +6,13 @@ import os
 import numpy as np
 
 from haff.runs import copies
-from studies.exact import bunches, disks, extended, segregation
+from studies.exact import bunches, disks, extended, garzoDufty, segregation
 from studies.exact.eos import of_case
 from studies.exact.riemann import BLAST, Riemann
 from studies.measured import mixture
 
 CHANNELS = {"couetteDisks": (disks.couette, 1), "heatedWalls": (disks.heated_walls, 0), "poiseuilleDisks": (disks.poiseuille, 1),
-            "couetteSpheres": (extended.couette, 1)}
+            "couetteSpheres": (extended.couette, 1), "pipe": (garzoDufty.pipe, 1)}
 
 
 @functools.lru_cache(maxsize=1)

@@ -10,6 +10,7 @@ They take the place of those of disks.Disks, whose contact value, pressure and f
 from math import gamma
 
 import numpy as np
+from scipy.integrate import solve_bvp
 
 from haff.start import enskog
 from studies.exact import disks
@@ -67,3 +68,41 @@ class Grains(disks.Disks):
 
     def sink(self, rho, T, rate=0.0):
         return self.d / 2 * rho * self.cooling(rho * self.per) * T**1.5
+
+
+class Pipe(disks.Channel):
+    """Steady flow along a pipe of radius R, which gravity g drives along its axis; of a wall as of disks.Channel. p is uniform, and
+    (r tau)' = -r rho g, (r flux)' = r (sink - tau u'). Its own unknowns are r tau, r flux and the mass within r over 2 pi."""
+
+    def __init__(self, gas, radius, alpha, wall, gravity, T=1.0, tolerance=1e-8):
+        self.gas, self.radius, self.gravity = gas, radius, gravity
+        rho = alpha / gas.per
+        mass = rho * radius**2 / 2
+        r = np.linspace(1e-6 * radius, radius, 101)
+        u = rho * gravity * (radius**2 - r**2) / (4 * gas.shear(rho, T)) + np.sqrt(T)
+        guess = np.array([0 * r + rho * T * gas.A(alpha), 0 * r + T, 0 * r, u, -rho * gravity * r**2 / 2, r**2 / radius**2 * mass])
+
+        def ends(a, b):
+            at = b / np.array([1, 1, radius, 1, radius, 1])
+            return np.array([a[2], a[4], a[5], b[5] / mass - 1, *self.wall(at, wall, -1.0)])
+
+        self.solution = solve_bvp(self.slopes, ends, r, guess, tol=tolerance, max_nodes=200000)
+        if not self.solution.success:
+            raise ArithmeticError(f"no steady flow found: {self.solution.message}")
+
+    def slopes(self, r, q):
+        p, T, _, _, _, _ = q
+        flux, tau = q[2] / r, q[4] / r
+        T = np.maximum(T, 1e-8)
+        rho = self.gas.density(p, T)
+        shear, cross = tau / self.gas.shear(rho, T), self.gas.cross(rho, T)
+        slope = flux / (self.gas.heat(rho, T) - cross * p / (T * T * self.gas.stiffness(rho * self.gas.per)))
+        return np.array([0 * r, slope, r * (self.gas.sink(rho, T, shear) - tau * shear), shear, -r * rho * self.gravity, r * rho])
+
+
+def pipe(path):
+    """That of cases/pipe."""
+    phi, e = disks.numbers(path, "0.orig/U", r"wall\s+\{ type JohnsonJacksonSlip; specularityCoefficient (\S+); restitutionCoefficient (\S+);")
+    gas = Grains(3, disks.numbers(path, "constant/granularProperties", r"restitution (\S+);")[0])
+    wall = {"u": 0.0, "specularity": phi, "restitution": e}
+    return Pipe(gas, 10.0, 0.2, wall, disks.numbers(path, "constant/g", r"value\s+\((\S+) 0 0\)")[0])

@@ -272,15 +272,6 @@ class Round(harness.Folder, unittest.TestCase):
                 case = self.case("no " + name, (8, 8, 1), rho, u, p, 0.1)
                 boxes.write_dictionary(case, "system", "meshDict", f"axis {{\n direction (1 0 0);\n {text}\n}}\n")
                 self.refuses(case, cure)
-        for entry, cure in (("transport BerziVescovi", "choose another law"), ("carried { tracer { type passive; } } transport none", "take it out")):
-            with self.subTest(entry):
-                case = self.case("no " + entry.split()[0], (8, 8, 1), rho, u, p, 0.1)
-                path = os.path.join(case, "constant", "granularProperties")
-                with open(path) as f:
-                    text = f.read().replace("transport none", entry).replace("perfectGas", "TorquatoSpheres")
-                with open(path, "w") as f:
-                    f.write(text)
-                self.refuses(case, cure)
 
     def refuses(self, case, cure):
         done = harness.program("granularGas", "-case", case, check=False)

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The stress around the axis in bodies of revolution on polyhedra (docs/physics.md 1.4). Areas and volumes have the
+ * weight r, so that the stress through the faces of a cell leaves the force of tau_ss on its sides along the radius,
+ * -tau_ss A_2/V (libcore/polyhedral/cells_round.c). tau_ss is found on the faces, with the coefficients and derivatives
+ * of the stress there: uniform stress is in balance to round-off. The cell has the mean of its faces, each with the
+ * part of the cell between its centre and the face. The rate of strain u_r/r is the cells' own, with r of their
+ * centres, between both; on patches it is u_r of the face over r. So u_r = a r is exact on any mesh. */
+#include <stdlib.h>
+
+#include "libcore/polyhedral/cells_diffuser.h"
+
+static const double NO_RADIUS = 1e-100; /* m: less than that is a face on the axis */
+
+struct cells_turn {
+    double *part;    /* [entries of face_of_cell] weights of the means over faces */
+    double *inverse; /* [size] 1/r of centres */
+    double *around;  /* [faces] u_r/r */
+    double *hoop;    /* [faces] tau_ss times the area */
+};
+
+void cells_turn_free(struct cells_turn *t) {
+    if (!t) return;
+    free(t->part);
+    free(t->inverse);
+    free(t->around);
+    free(t->hoop);
+    free(t);
+}
+
+/* Sets the weights of the faces of cell i, over their areas. */
+static void set_parts(const struct polyhedra *m, int i, double *part) {
+    double sum = 0;
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        const int right = m->face_of_cell[j] < 0, face = right ? ~m->face_of_cell[j] : m->face_of_cell[j];
+        double far = 0;
+        for (int k = 0; k < m->dim; k++) far += cells_arm(m, face, right, k) * m->face.normal[k][face];
+        part[j] = larger(right ? -far : far, 0);
+        sum += part[j] * m->face.area[face];
+    }
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) part[j] /= sum;
+}
+
+status cells_turn_make(const struct gas *g, struct cells_turn **out) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    struct cells_turn *t;
+    TRY(allocate(out, 1, sizeof **out, "diffusion"));
+    t = *out;
+    TRY(allocate(&t->part, m->face_start[m->nown], sizeof(double), "diffusion"));
+    TRY(allocate(&t->inverse, m->size, sizeof(double), "diffusion"));
+    TRY(allocate(&t->around, m->face.n + SLACK, sizeof(double), "diffusion"));
+    TRY(allocate(&t->hoop, m->face.n + SLACK, sizeof(double), "diffusion"));
+    for (int i = 0; i < m->nown; i++) set_parts(m, i, t->part);
+    for (int i = 0; i < m->size; i++) {
+        const double r = m->centre[m->round.radial][i] - m->round.at;
+        t->inverse[i] = r == 0 ? 0 : 1 / r;
+    }
+    return OK;
+}
+
+void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, double *const *S, const double **around,
+                      double **hoop) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const double *share = g->cells->diffuser->share, *u = S[m->round.radial];
+    for (int i = at; i < at + n; i++) {
+        const int left = m->face.left[i], right = m->face.right[i];
+        const double a = u[left] * t->inverse[left], reach = m->round.reach[i];
+        if (i < m->face.ninternal)
+            t->around[i] = a + share[i] * (u[right] * t->inverse[right] - a);
+        else
+            t->around[i] = reach < NO_RADIUS ? a : 0.5 * (u[left] + u[right]) / reach;
+    }
+    *around = t->around + at;
+    *hoop = t->hoop + at;
+}
+
+void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int at, int n, double *M) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    if (v != m->round.radial) return;
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int j = m->face_start[at + i]; j < m->face_start[at + i + 1]; j++)
+            sum += t->part[j] * t->hoop[m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j]];
+        M[i] -= cells_round_side(g, at + i) * sum;
+    }
+}
+
+double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const struct cells_diffuser *d = g->cells->diffuser;
+    double sum = 0;
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+        sum += t->part[j] * (d->face[0][face] + 2 * d->face[1][face]);
+    }
+    return sum * cells_round_side(g, i) * t->inverse[i] / g->cells->inverse_volume[i];
+}
