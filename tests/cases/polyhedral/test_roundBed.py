@@ -64,6 +64,7 @@ class RoundBed(harness.Folder, unittest.TestCase):
                     scale = np.abs(b["gravity"]).max()
                     self.assertLess(np.abs(b["residual"]).max(), 1e-12 * scale)
                     self.assertLess(np.abs(b["massResidual"]).max(), 1e-13 * b["mass"][0])
+                    self.assertLess(np.abs(b["momentumResidual_y"]).max(), 1e-12 * np.abs(b["momentumGravity_y"]).max())
                     radius = result.centres[:, 0]
                     mass = [(result.field("rho", t) * radius).sum() for t in ("0", "0.04")]
                     self.assertAlmostEqual(mass[1] / mass[0], 1, delta=1e-13)
