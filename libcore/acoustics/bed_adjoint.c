@@ -11,8 +11,8 @@
  * stress makes no force inside, as sum A d_K = dim V and sum A n r = V. A cell of the lesser share s counts less: G of
  * the other cell stands for the rest.
  *
- * Of a body of revolution gradients are those of the plane, A in W has the weight r, and the hoop component of the rate
- * of strain is u_r/r on the face. */
+ * Of a body of revolution (docs/physics.md 1.4) gradients are those of the plane, A in W has the weight r, and the hoop
+ * component of the rate of strain is u_r/r on the face. */
 #include "libcore/acoustics/bed_friction_private.h"
 
 /* A cell whose neighbours do not tell its gradient counts TOLD times as much as others. */

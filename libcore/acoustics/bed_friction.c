@@ -12,13 +12,14 @@
  * which is stable for -1/3 <= E <= 1 alone.
  *
  * On a face D comes from the difference between its cells and, along the face, from the gradients of both. On boxes
- * cells gain what the faces' tractions give, on other meshes by the adjoint of D (bed_adjoint.c): momentum is kept. In
- * bodies of revolution D has u_r/r around the axis, and the stress there, which is minus the sum of the others on the
- * diagonal, pulls along the radius by -tau/r, by the adjoint of u_r/r. The
+ * cells gain what the faces' tractions give, on other meshes by the adjoint of D (bed_adjoint.c): momentum is kept. The
  * faces' own velocities U, which carry the gas, gain
  *     push = mean of the cells' gains by friction + held (mean of the cells' gains by F - the face's own gain by F),
  * held: 1 where nothing yields; the second term is bounded by what Y bears on the face. So a face between cells at rest
- * is at rest, although the forces on it are not the mean of those on its cells. */
+ * is at rest, although the forces on it are not the mean of those on its cells.
+ *
+ * Of a body of revolution (docs/physics.md 1.4) D has u_r/r around the axis. The stress there is minus the sum of the
+ * others on the diagonal. It pulls along the radius by -tau/r, the adjoint of u_r/r. */
 #include "libcore/acoustics/bed_friction_private.h"
 
 #include <stdlib.h>

@@ -28,6 +28,7 @@ struct audit {
     int pusher;                       /* row of the source since then that changes momentum; -1: there is none */
     double first[MAX_VAR], floors[2]; /* totals at the start; mass (kg) and energy (J) of the floors by then */
     double given[MAX_DIM];            /* N s: by the density floor */
+    double *rubbed;                   /* [places of struct floors] J/m^3 by friction in this attempt; NULL: none */
     double *through;                  /* [GAS_EDGES][components][blocks] N s: what left through patches */
     status failed;                    /* error of an attempt's sums, which ends the step */
 };
@@ -54,6 +55,7 @@ static void find_causes(const struct gas *g, bool known[GAS_CAUSES]) {
 /* Allocates what the gas itself notes for the budget. */
 static status make_notes(struct gas *g, struct audit *a) {
     TRY(allocate(&a->through, (long)GAS_EDGES * g->components * grid_blocks(g), sizeof(double), "the budget"));
+    if (gas_rubs(&g->models)) TRY(allocate(&a->rubbed, g->floors.places, sizeof(double), "the budget"));
     if (g->falling.dropped) TRY(allocate(&g->falling.denser, g->floors.places, sizeof(double), "the budget"));
     for (int k = 0; k < g->components && g->limits.least > 0; k++)
         TRY(allocate(&g->floors.given[k], g->floors.places, sizeof(double), "the budget"));
@@ -68,7 +70,7 @@ status gas_audit(struct gas *g) {
         g->books.audit = a;
         TRY(make_notes(g, a));
     }
-    *a = (struct audit){.failed = a->failed, .through = a->through};
+    *a = (struct audit){.failed = a->failed, .rubbed = a->rubbed, .through = a->through};
     memset(a->through, 0, (size_t)GAS_EDGES * (size_t)g->components * (size_t)grid_blocks(g) * sizeof(double));
     find_causes(g, a->known);
     floors_of(g, a->floors);
@@ -82,6 +84,7 @@ void audit_free(struct audit *a) {
     if (!a) return;
     status_free(a->failed);
     free(a->through);
+    free(a->rubbed);
     free(a);
 }
 
@@ -199,8 +202,8 @@ void audit_dropped(struct gas *g, double part) {
 void audit_friction(struct gas *g) {
     double sum = 0;
     if (!g->books.audit || !g->dense->bed.rub) return;
-    g->engine->bed.spread(g, g->dense->bed.home->rubbed, g->floors.raised);
-    note_status(g->books.audit, sum_raised(g, g->floors.raised, &sum));
+    g->engine->bed.spread(g, g->dense->bed.home->rubbed, g->books.audit->rubbed);
+    note_status(g->books.audit, sum_raised(g, g->books.audit->rubbed, &sum));
     g->books.audit->weight += sum;
     g->books.audit->now.gained[GAS_CONTACTS] += sum;
 }

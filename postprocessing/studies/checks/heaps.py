@@ -65,6 +65,14 @@ def outflow(case, _, time, span):
     return (content(case, earlier) - content(case, time)) / (float(time) - float(earlier))
 
 
+def round_outflow(case, _, time, span):
+    """Volume at packing MOST that leaves the half of a body of revolution above y = 0 in a second (m^3/s), over a span of time before; x is the radius."""
+    def content(at):
+        return 2 * np.pi * float((case.field("alpha", at) * case.centres[:, 0])[case.centres[:, 1] > 0].sum()) * depths(case, at)[2] ** 2 / MOST
+    earlier = case.time(float(time) - span)
+    return (content(earlier) - content(time)) / (float(time) - float(earlier))
+
+
 def slope_between(case, _, time, ends):
     """In degrees, of a straight line through the depths between two places x (m), downwards along x."""
     x, depth, _ = depths(case, time)
@@ -79,6 +87,7 @@ QUANTITIES = {
     "slope of the surface to the horizontal": surface,
     "slope from 4 to 18 mm": lambda case, field, time: slope_between(case, field, time, (0.004, 0.018)),
     "outflow over a span": outflow,
+    "outflow of a round silo over a span": round_outflow,
     "speed of packed gas": packed_speed,
     "velocity along x at height": velocity_at,
 }
