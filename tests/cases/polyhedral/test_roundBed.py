@@ -51,16 +51,17 @@ class RoundBed(harness.Folder, unittest.TestCase):
                 runs.same(self, runs.contents(one + "/0.04"), runs.contents(two + "/0.04"), "restart")
 
     def test_far(self):
-        """At a radius of 500 diameters all differs from the plane by the curvature; with friction, which keeps steps alike, a tenth at 5000."""
+        """At a radius of 500 and of 5000 diameters the difference from the plane is at most twice the width over the radius. With friction it falls
+        as 1/r; without, other steps may be implicit ones."""
         for engine in ("lattice", "linear"):
             for friction in ("", "type muI;"):
                 with self.subTest(engine=engine, friction=friction):
                     name = engine + str(friction != "")
                     alpha = [test_friction.solve(self.column(f"{name}{axis}", engine, 0.02, friction=friction, axis=axis))[0].field("alpha")
                              for axis in (None, -0.5, -5.0)]
-                    near, far = (np.abs(a - alpha[0]).mean() for a in alpha[1:])
-                    self.assertLess(far, 0.2 * near if friction else near)
-                    self.assertLess(near, 2 * 0.02 / 0.5 * alpha[0].mean())
+                    near, far = (np.abs(a - alpha[0]).mean() / alpha[0].mean() for a in alpha[1:])
+                    self.assertLess(near, 2 * 0.02 / 0.5)
+                    self.assertLess(far, min(2 * 0.02 / 5, 0.2 * near if friction else 1))
 
     def test_budget(self):
         """Mass, energy and momentum along the axis come from named causes; friction takes energy. On triangles cells are raised to the floor, too."""
