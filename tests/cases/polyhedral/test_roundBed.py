@@ -17,6 +17,13 @@ G, N = 9.81, (20, 14, 1)
 COLUMN = "x < 0.007 && y < 0.01 ? 0.6 : 1e-5"
 
 
+def budget(result):
+    """The columns of energyBudget.dat by their titles."""
+    with open(result.path + "/postProcessing/budget/0/energyBudget.dat") as f:
+        titles = next(line for line in f if "residual" in line).lstrip("# ").split()
+    return dict(zip(titles, result.table("budget", "energyBudget.dat").T))
+
+
 class RoundBed(harness.Folder, unittest.TestCase):
     def column(self, name, engine="lattice", end=0.04, n=N, alpha=COLUMN, **options):
         """A column of cold spheres that falls; x is the radius."""
@@ -73,9 +80,7 @@ class RoundBed(harness.Folder, unittest.TestCase):
                             self.column(name, engine, friction=friction, axis=0.0))
                     audit.ask(case)
                     result, _ = test_friction.solve(case)
-                    with open(case + "/postProcessing/budget/0/energyBudget.dat") as f:
-                        titles = next(line for line in f if "residual" in line).lstrip("# ").split()
-                    b = dict(zip(titles, result.table("budget", "energyBudget.dat").T))
+                    b = budget(result)
                     scale = np.abs(b["gravity"]).max()
                     self.assertLess(np.abs(b["residual"]).max(), 1e-12 * scale)
                     self.assertLess(np.abs(b["massResidual"]).max(), 1e-13 * b["mass"][0])
@@ -86,6 +91,18 @@ class RoundBed(harness.Folder, unittest.TestCase):
                         self.assertAlmostEqual(mass[1] / mass[0], 1, delta=1e-13)
                     if friction:
                         self.assertLess(b["friction"][-1], -0.1 * scale)
+
+    def test_transport(self):
+        """Beds and friction beside stress and conduction of impacts, on a lattice."""
+        case = self.column("transport", end=0.03, axis=0.0)
+        replace(case, "constant/granularProperties", "cooling Haff;", "cooling GarzoDufty; transport GarzoDufty;")
+        audit.ask(case)
+        result, log = test_friction.solve(case)
+        self.assertIn("implicit acoustics", log)
+        b = budget(result)
+        self.assertLess(np.abs(b["residual"]).max(), 1e-12 * np.abs(b["gravity"]).max())
+        self.assertLess(np.abs(b["momentumResidual_y"]).max(), 1e-12 * np.abs(b["momentumGravity_y"]).max())
+        self.assertLess(b["friction"][-1], -0.1 * np.abs(b["gravity"]).max())
 
     def test_heap(self):
         """What falls over stays a heap: it is highest on the axis, and hardly moves."""
