@@ -156,8 +156,8 @@ void friction_draw(struct problem *p, struct seed *s) {
     friction_scene(p, s, pull);
     friction_acoustics(p, s);
     p->pattern = scene_of(p) == PATCHES ? 1 + seed_below(s, 4) : 1;
-    p->patience = 2;
-    p->steps = 80;
+    p->patience = 8;
+    p->steps = 20;
     p->stated = true;
 }
 
