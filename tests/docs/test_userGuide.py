@@ -18,7 +18,7 @@ FIELDS = {"alpha": ("volScalarField", "[0 0 0 0 0 0 0]", "0.3"), "T": ("volScala
           "U": ("volVectorField", "[0 1 -1 0 0 0 0]", "(0 0 0)")}
 # Words of the guide that no program knows: names that stand for the user's own, and OpenFOAM's and the papers' terms.
 OWN = set("mean rough feed inlet outlet lid myCase rhoCentralFoam reconstructPar checkMesh foamToVTK decomposePar mpirun front back gmsh phiE residual massResidual repeated written "
-          "massFlow flow blockMesh olderVersion box figure computed taskset points positions UMean UPrime2Mean frictionStress momentumResidual_x image flux scaling report turn Allrun alphaError UError".split())
+          "massFlow flow blockMesh olderVersion box figure computed taskset points positions UMean UPrime2Mean frictionStress momentumResidual_x image flux scaling report turn Allrun alphaError UError grainsError".split())
 
 
 def guide():

@@ -5,7 +5,8 @@
     case.field("alpha", "20"), case.field("alphaError", "20")
 
 Member k is a copy of the case with the seed k in CASE/ensemble/seed=k. The time folders of the case get the means: fields of the usual
-names, as if the windows of all members were one, and their standard errors: alphaError, alphaError.big of alpha.big.
+names, as if the windows of all members were one, and their standard errors: alphaError, alphaError.big of alpha.big. The columns of grains.dat
+get theirs, too: case.table("grains"), case.table("grainsError").
 """
 import os
 import re
@@ -102,6 +103,24 @@ def write_time(case, members, time):
     os.rename(part, end)
 
 
+def write_table(case, members):
+    """Means and standard errors of the columns of grains.dat, at the times that all members have."""
+    tables = [m.table("grains", "grains.dat") for m in members]
+    for t in tables[1:]:
+        tables[0] = tables[0][np.isin(tables[0][:, 0], t[:, 0])]
+    rows = np.array([t[np.isin(t[:, 0], tables[0][:, 0])] for t in tables])
+    source = os.path.join(members[0].path, "postProcessing", "grains")
+    start = min(times_in(source), key=float)
+    with open(os.path.join(source, start, "grains.dat")) as f:
+        titles = [line for line in f if line.startswith("# Time")][0]
+    error = rows.std(axis=0, ddof=1) / np.sqrt(len(members))
+    error[:, 0] = rows[0, :, 0]
+    for name, what, values in (("grains", "Means", rows.mean(axis=0)), ("grainsError", "Standard errors of means", error)):
+        folder = os.path.join(case.path, "postProcessing", name, start)
+        os.makedirs(folder, exist_ok=True)
+        np.savetxt(os.path.join(folder, "grains.dat"), values, fmt="%.17g", comments="", header=f"# {what} over {len(members)} members.\n{titles.strip()}")
+
+
 def check(case):
     """Refuses cases without seeds, starts on which seeds have no effect, and results that means would replace. ValueError, FileNotFoundError."""
     if os.path.basename(application(case)) != "granularMD":
@@ -158,4 +177,5 @@ def ensemble(case, members, *, cores=1, progress=True):
     begin = copies.start(case)
     for time in sorted(set.intersection(*[set(r.times) for r in runs]) - {begin}, key=float):
         write_time(found, runs, time)
+    write_table(found, runs)
     return found

@@ -44,6 +44,10 @@ class Ensembles(harness.Folder, unittest.TestCase):
         same(mean["p"] - mean["rho"] * mean["T"], at["p"] - at["rho"] * at["T"])
         np.testing.assert_allclose(mean["TComponents"].sum(axis=1), 2 * mean["T"], rtol=1e-12)
         np.testing.assert_allclose(found.field("alphaError", "4"), at["alpha"].std(axis=0, ddof=1) / N**0.5, rtol=1e-9)
+        tables = np.array([r.table("grains") for r in runs])
+        np.testing.assert_allclose(found.table("grains"), tables.mean(axis=0), rtol=1e-12, atol=1e-13)
+        np.testing.assert_allclose(found.table("grainsError")[:, 1:], tables.std(axis=0, ddof=1)[:, 1:] / N**0.5, rtol=1e-9)
+        np.testing.assert_array_equal(found.table("grainsError", frame=True)["Time"], [0, 2, 4])
         w, u, T, left = at["rho"][:, 5], at["U"][:, 5], at["T"][:, 5], []
         for i in range(N):
             others = np.arange(N) != i
