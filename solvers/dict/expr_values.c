@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the functions and operators of expressions compute, of one point and of many (expr.h).
  *
- * Many points are taken in blocks: each step of the stack machine is a loop over a block, and one over a single number
+ * Many points are taken in portions: each step of the stack machine is a loop over a portion, and a single operation
  * where its operands are the same at all points. Either way the operations of a point are those of expr_value, so its
  * value has the same bits. */
 #include "solvers/dict/expr_private.h"
@@ -139,21 +139,21 @@ double expr_value_mixture(const struct expr *e, double x, double y, double z, do
 
 /* ---- at many points ---- */
 
-enum { BLOCK = 256, KEPT_BITS = 9, KEPT = 1 << KEPT_BITS };
+enum { PORTION = 256, KNOWN_BITS = 9, KNOWN = 1 << KNOWN_BITS };
 
 /* The last values that a function of the C library gave, by argument. On boxes, waves along and across the axes have
  * few arguments: there most values are found, and a cosine costs five times what finding it does. */
-struct kept {
+struct known {
     double argument, value;
 };
-struct operand { /* of a block */
+struct operand { /* of a step, at the points of a portion */
     bool same;   /* at all points: v[0] */
-    double v[BLOCK];
+    double v[PORTION];
 };
 
-struct block_points {
+struct portion {
     int n;
-    double x[3][BLOCK], t; /* m, s */
+    double x[3][PORTION], t; /* m, s */
 };
 
 static void spread_out(struct operand *l, int n) {
@@ -163,41 +163,41 @@ static void spread_out(struct operand *l, int n) {
     l->same = false;
 }
 
-/* Returns the place in kept[KEPT] of the values of an argument. */
-static struct kept *find(struct kept *kept, double argument) {
-    return &kept[(bits_of(argument) * 0x9e3779b97f4a7c15u) >> (64 - KEPT_BITS)];
+/* Returns the place in known[KNOWN] of the values of an argument. */
+static struct known *find(struct known *known, double argument) {
+    return &known[(bits_of(argument) * 0x9e3779b97f4a7c15u) >> (64 - KNOWN_BITS)];
 }
 
-static void call_one(const struct expr_operation *o, int n, struct kept *kept, struct operand *a) {
+static void call_one(const struct expr_operation *o, int n, struct known *known, struct operand *a) {
     if (a->same)
         a->v[0] = o->one(a->v[0]);
     else if (o->line)
         o->line(n, a->v, a->v);
     else
         for (int i = 0; i < n; i++) {
-            struct kept none, *k = kept ? find(kept, a->v[i]) : &none;
-            if (!kept || bits_of(k->argument) != bits_of(a->v[i])) *k = (struct kept){a->v[i], o->one(a->v[i])};
+            struct known none, *k = known ? find(known, a->v[i]) : &none;
+            if (!known || bits_of(k->argument) != bits_of(a->v[i])) *k = (struct known){a->v[i], o->one(a->v[i])};
             a->v[i] = k->value;
         }
 }
 
 /* Calls a function of the library whose second argument is b everywhere. */
-static void call_with(double (*two)(double, double), int n, struct kept *kept, double *a, double b) {
+static void call_with(double (*two)(double, double), int n, struct known *known, double *a, double b) {
     for (int i = 0; i < n; i++) {
-        struct kept *k = find(kept, a[i]);
-        if (bits_of(k->argument) != bits_of(a[i])) *k = (struct kept){a[i], two(a[i], b)};
+        struct known *k = find(known, a[i]);
+        if (bits_of(k->argument) != bits_of(a[i])) *k = (struct known){a[i], two(a[i], b)};
         a[i] = k->value;
     }
 }
 
-static void call_two(const struct expr_operation *o, int n, struct kept *kept, struct operand *a, struct operand *b) {
+static void call_two(const struct expr_operation *o, int n, struct known *known, struct operand *a, struct operand *b) {
     if (a->same && b->same) {
         a->v[0] = o->two(a->v[0], b->v[0]);
         return;
     }
     spread_out(a, n);
-    if (!o->lines && b->same && kept) {
-        call_with(o->two, n, kept, a->v, b->v[0]);
+    if (!o->lines && b->same && known) {
+        call_with(o->two, n, known, a->v, b->v[0]);
         return;
     }
     spread_out(b, n);
@@ -217,7 +217,7 @@ static void put(struct operand *l, double number) {
     l->v[0] = number;
 }
 
-static void load(struct operand *l, int variable, int n, const struct block_points *p) {
+static void load(struct operand *l, int variable, int n, const struct portion *p) {
     if (variable > 2)
         put(l, variable == 3 ? p->t : 0);
     else
@@ -230,9 +230,9 @@ static bool calls_library(const struct step *s) {
     return (s->op == CALL1 && !s->what->line) || (s->op == CALL2 && !s->what->lines);
 }
 
-static void evaluate_block(const struct expr *e, const struct block_points *b, struct operand *stack, struct kept *kept,
-                           double *out) {
-    const int n = b->n;
+static void evaluate_portion(const struct expr *e, const struct portion *p, struct operand *stack, struct known *known,
+                             double *out) {
+    const int n = p->n;
     struct operand *top = stack;
     for (const struct step *s = e->step; s < e->step + e->count; s++) {
         switch (s->op) {
@@ -240,44 +240,44 @@ static void evaluate_block(const struct expr *e, const struct block_points *b, s
             put(++top, s->number);
             break;
         case VARIABLE:
-            load(++top, s->variable, n, b);
+            load(++top, s->variable, n, p);
             break;
         case CALL1:
-            call_one(s->what, n, kept, top);
+            call_one(s->what, n, known, top);
             break;
         case CALL2:
-            top--, call_two(s->what, n, kept, top, top + 1);
+            top--, call_two(s->what, n, known, top, top + 1);
             break;
         case SELECT:
             top -= 2, choose(n, top, top + 1, top + 2);
             break;
         }
-        kept += kept && calls_library(s) ? KEPT : 0;
+        known += known && calls_library(s) ? KNOWN : 0;
     }
     spread_out(top, n);
     memcpy(out, top->v, (size_t)n * sizeof *out);
 }
 
-/* Returns room for the values that each call of the library keeps, NULL: there is none, or too few points would use
- * it. All arguments in it are 0, which is found in the first place alone; so 1 stands there, which is found elsewhere.
+/* Returns room for the known values of each call of the library, NULL: there is none, or too few points would use it.
+ * All arguments in it are 0, which is found in the first place alone; so 1 stands there, which is found elsewhere.
  */
-static struct kept *make_kept(const struct expr *e, long points) {
+static struct known *make_known(const struct expr *e, long points) {
     size_t n = 0;
     for (int i = 0; i < e->count; i++) n += calls_library(&e->step[i]);
-    struct kept *kept = points >= 2 * KEPT && n ? calloc(n * KEPT, sizeof *kept) : NULL;
-    for (size_t i = 0; kept && i < n; i++) kept[i * KEPT].argument = 1;
-    return kept;
+    struct known *known = points >= 2 * KNOWN && n ? calloc(n * KNOWN, sizeof *known) : NULL;
+    for (size_t i = 0; known && i < n; i++) known[i * KNOWN].argument = 1;
+    return known;
 }
 
 void expr_values(const struct expr *e, long n, const double *x, double t, double *out) {
     struct operand stack[EXPR_STACK + 1];
-    struct kept *kept = make_kept(e, n);
-    struct block_points b = {.t = t};
-    for (long at = 0; at < n; at += b.n) {
-        b.n = n - at < BLOCK ? (int)(n - at) : BLOCK;
-        for (int i = 0; i < b.n; i++)
-            for (int k = 0; k < 3; k++) b.x[k][i] = x[3 * (at + i) + k];
-        evaluate_block(e, &b, stack, kept, out + at);
+    struct known *known = make_known(e, n);
+    struct portion p = {.t = t};
+    for (long at = 0; at < n; at += p.n) {
+        p.n = n - at < PORTION ? (int)(n - at) : PORTION;
+        for (int i = 0; i < p.n; i++)
+            for (int k = 0; k < 3; k++) p.x[k][i] = x[3 * (at + i) + k];
+        evaluate_portion(e, &p, stack, known, out + at);
     }
-    free(kept);
+    free(known);
 }
