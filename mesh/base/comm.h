@@ -24,6 +24,12 @@ status comm_pretend(int rank, int size, struct comm **out);
 bool comm_pretends(const struct comm *c);
 void comm_alone_free(struct comm *c);
 
+/* The settings NAME=value of Open MPI with which a program that is alone starts at once, without those that the
+ * environment has already; NULL behind the last. comm_handle sets them here; who starts such a program gives it them.
+ */
+enum { COMM_SETTINGS = 6 };
+void comm_alone_settings(const char *out[COMM_SETTINGS + 1]);
+
 int comm_rank(const struct comm *c);
 int comm_size(const struct comm *c);
 bool comm_root(const struct comm *c);    /* is this rank 0? */

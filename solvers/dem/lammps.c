@@ -4,6 +4,7 @@
 #include "solvers/dem/lammps.h"
 
 #include "mesh/base/build.h"
+#include "mesh/base/comm.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -33,11 +34,24 @@ static status missing(void) {
         "Debian, run  apt-get install lammps");
 }
 
+/* The environment of this process; alone: with the settings of a program without mpirun. The caller frees it. */
+static char **environment_of(bool alone) {
+    const char **all;
+    size_t n = 0;
+    while (environ[n]) n++;
+    if (allocate(&all, n + COMM_SETTINGS + 1, sizeof *all, "the environment of LAMMPS")) return NULL;
+    memcpy(all, environ, n * sizeof *all);
+    if (alone) comm_alone_settings(all + n);
+    return (char **)all;
+}
+
 /* Starts a program with the ends in[0] and out[1] of two pipes as its standard input and output. Returns an errno. */
-static int spawn(char *const command[], const int in[2], const int out[2], pid_t *pid) {
+static int spawn(char *const command[], bool alone, const int in[2], const int out[2], pid_t *pid) {
     posix_spawn_file_actions_t files;
     posix_spawnattr_t how;
     sigset_t usual;
+    char **environment = environment_of(alone);
+    if (!environment) return ENOMEM;
     sigemptyset(&usual);
     sigaddset(&usual, SIGPIPE);
     posix_spawn_file_actions_init(&files);
@@ -51,13 +65,14 @@ static int spawn(char *const command[], const int in[2], const int out[2], pid_t
     posix_spawnattr_setsigdefault(&how, &usual);
     /* a group of its own: Ctrl-C is for haff, which ends the child in order */
     posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    const int why = posix_spawnp(pid, command[0], &files, &how, command, environ);
+    const int why = posix_spawnp(pid, command[0], &files, &how, command, environment);
+    free(environment);
     posix_spawn_file_actions_destroy(&files);
     posix_spawnattr_destroy(&how);
     return why;
 }
 
-static status launch(char *const command[], struct lammps *l) {
+static status launch(char *const command[], bool alone, struct lammps *l) {
     int in[2], out[2];
     if (pipe(in)) return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
     if (pipe(out)) {
@@ -65,7 +80,7 @@ static status launch(char *const command[], struct lammps *l) {
         close(in[1]);
         return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
     }
-    const int why = spawn(command, in, out, &l->pid);
+    const int why = spawn(command, alone, in, out, &l->pid);
     if (why) l->pid = 0;
     close(in[0]);
     close(out[1]);
@@ -116,7 +131,7 @@ status lammps_ask(struct lammps_abilities *out) {
     bool pair = false, wall = false, region = false;
     *out = (struct lammps_abilities){.version = ""};
     TRY(allocate(&l, 1, sizeof *l, "LAMMPS"));
-    status e = launch(command, l);
+    status e = launch(command, true, l);
     while (!e && read_line(l)) {
         const char *version = strstr(l->line, title);
         if (version) snprintf(out->version, sizeof out->version, "%s", version + strlen(title));
@@ -149,7 +164,7 @@ status lammps_start(int ranks, struct lammps **out) {
     }
     static char *const rest[] = {"stdbuf", "-oL", "lmp", "-log", "none", "-nocite", "-echo", "none", NULL};
     for (int i = 0; i < 9; i++) command[n++] = rest[i];
-    return launch(command, *out);
+    return launch(command, ranks == 1, *out);
 }
 
 void lammps_send(struct lammps *l, const char *format, ...) {
