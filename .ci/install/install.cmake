@@ -26,7 +26,7 @@ endif()
 # Documents, as they lie here, so that their links to each other hold.
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION share/doc/haff COMPONENT programs)
 install(DIRECTORY docs DESTINATION share/doc/haff COMPONENT programs
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.jpg" PATTERN "sod.c" PATTERN CMakeLists.txt PATTERN examples EXCLUDE)
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.ipynb" PATTERN "*.jpg" PATTERN "sod.c" PATTERN CMakeLists.txt PATTERN examples EXCLUDE)
 
 # Manual pages are made from what the installed programs say to -help.
 if(NOT CMAKE_CROSSCOMPILING)
