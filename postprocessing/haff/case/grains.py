@@ -2,7 +2,7 @@
 """Reads the cloud of grains that granularMD writes beside the fields: TIME/lagrangian/grains. Needs numpy only.
 
     cloud = grains.read(haff.Case("cases/faradayMD"), "20")
-    cloud["x"], cloud["U"], cloud["id"], cloud["d"], cloud["cell"]    # [n][3], [n][3], [n], [n], [n]
+    cloud["x"], cloud["U"], cloud["id"], cloud["d"], cloud["cell"]    # [n][3], [n][3], [n], [n], [n]; of a mixture also cloud["species"]
 """
 import os
 
