@@ -143,7 +143,7 @@ enum { PORTION = 256, KNOWN_BITS = 9, KNOWN = 1 << KNOWN_BITS };
 
 /* The last values that a function of the C library gave, by argument. On boxes, waves along and across the axes have
  * few arguments: there most values are found, and a cosine costs five times what finding it does. */
-struct known {
+struct known_value {
     double argument, value;
 };
 struct operand { /* of a step, at the points of a portion */
@@ -164,33 +164,34 @@ static void spread_out(struct operand *l, int n) {
 }
 
 /* Returns the place in known[KNOWN] of the values of an argument. */
-static struct known *find(struct known *known, double argument) {
+static struct known_value *find(struct known_value *known, double argument) {
     return &known[(bits_of(argument) * 0x9e3779b97f4a7c15u) >> (64 - KNOWN_BITS)];
 }
 
-static void call_one(const struct expr_operation *o, int n, struct known *known, struct operand *a) {
+static void call_one(const struct expr_operation *o, int n, struct known_value *known, struct operand *a) {
     if (a->same)
         a->v[0] = o->one(a->v[0]);
     else if (o->line)
         o->line(n, a->v, a->v);
     else
         for (int i = 0; i < n; i++) {
-            struct known none, *k = known ? find(known, a->v[i]) : &none;
-            if (!known || bits_of(k->argument) != bits_of(a->v[i])) *k = (struct known){a->v[i], o->one(a->v[i])};
+            struct known_value none, *k = known ? find(known, a->v[i]) : &none;
+            if (!known || bits_of(k->argument) != bits_of(a->v[i])) *k = (struct known_value){a->v[i], o->one(a->v[i])};
             a->v[i] = k->value;
         }
 }
 
 /* Calls a function of the library whose second argument is b everywhere. */
-static void call_with(double (*two)(double, double), int n, struct known *known, double *a, double b) {
+static void call_with(double (*two)(double, double), int n, struct known_value *known, double *a, double b) {
     for (int i = 0; i < n; i++) {
-        struct known *k = find(known, a[i]);
-        if (bits_of(k->argument) != bits_of(a[i])) *k = (struct known){a[i], two(a[i], b)};
+        struct known_value *k = find(known, a[i]);
+        if (bits_of(k->argument) != bits_of(a[i])) *k = (struct known_value){a[i], two(a[i], b)};
         a[i] = k->value;
     }
 }
 
-static void call_two(const struct expr_operation *o, int n, struct known *known, struct operand *a, struct operand *b) {
+static void call_two(const struct expr_operation *o, int n, struct known_value *known, struct operand *a,
+                     struct operand *b) {
     if (a->same && b->same) {
         a->v[0] = o->two(a->v[0], b->v[0]);
         return;
@@ -230,8 +231,8 @@ static bool calls_library(const struct step *s) {
     return (s->op == CALL1 && !s->what->line) || (s->op == CALL2 && !s->what->lines);
 }
 
-static void evaluate_portion(const struct expr *e, const struct portion *p, struct operand *stack, struct known *known,
-                             double *out) {
+static void evaluate_portion(const struct expr *e, const struct portion *p, struct operand *stack,
+                             struct known_value *known, double *out) {
     const int n = p->n;
     struct operand *top = stack;
     for (const struct step *s = e->step; s < e->step + e->count; s++) {
@@ -261,17 +262,17 @@ static void evaluate_portion(const struct expr *e, const struct portion *p, stru
 /* Returns room for the known values of each call of the library, NULL: there is none, or too few points would use it.
  * All arguments in it are 0, which is found in the first place alone; so 1 stands there, which is found elsewhere.
  */
-static struct known *make_known(const struct expr *e, long points) {
+static struct known_value *make_known(const struct expr *e, long points) {
     size_t n = 0;
     for (int i = 0; i < e->count; i++) n += calls_library(&e->step[i]);
-    struct known *known = points >= 2 * KNOWN && n ? calloc(n * KNOWN, sizeof *known) : NULL;
+    struct known_value *known = points >= 2 * KNOWN && n ? calloc(n * KNOWN, sizeof *known) : NULL;
     for (size_t i = 0; known && i < n; i++) known[i * KNOWN].argument = 1;
     return known;
 }
 
 void expr_values(const struct expr *e, long n, const double *x, double t, double *out) {
     struct operand stack[EXPR_STACK + 1];
-    struct known *known = make_known(e, n);
+    struct known_value *known = make_known(e, n);
     struct portion p = {.t = t};
     for (long at = 0; at < n; at += p.n) {
         p.n = n - at < PORTION ? (int)(n - at) : PORTION;

@@ -107,7 +107,7 @@ class Reading(Outside, unittest.TestCase):
             with self.subTest(name):
                 case = self.case()
                 self.replace(case, name, self.secret)
-                self.refused(case, rf"{name}:\d: .* comes from a file outside of the case .* put a copy in place of the link")
+                self.refused(case, rf"{name}:\d: .* comes from a file outside of the case .* replace the link by a copy")
                 self.refused(case, rf"{name}:\d: ", program="checkCase")
         case = self.case()
         self.replace(case, "system/more", self.secret)

@@ -468,7 +468,7 @@ static void try_hidden(struct dict *d) {
     double v[3];
     int i;
     assert_true(dict_is_foreign(d, "password") && dict_is_foreign(d, "c"));
-    hidden(dict_vector(d, "c", NULL, v), "system/i:3:|outside of the case|put a copy");
+    hidden(dict_vector(d, "c", NULL, v), "system/i:3:|outside of the case|replace the link by a copy");
     hidden(dict_choice(d, "c", names, 2, &i), "system/i:3:");
 }
 
