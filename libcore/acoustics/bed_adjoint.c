@@ -58,7 +58,7 @@ static double told(const struct bed *b, int i) {
 
 /* Returns the weight of a cell's extrapolation in the velocity of a face. */
 static double weight_on(const struct bed *b, const struct bed_side *s, int i) {
-    if (b->set.kind[s->face] != BED_INNER) return b->set.kind[s->face] == BED_WALL ? 1 - bed_grip(b, s->face) : 1;
+    if (b->set.kind[s->face] != BED_INNER) return !bed_rubs_at(b, s->face);
     const double *depth[2] = {b->set.shapes->depth[0], b->set.shapes->depth[1]};
     const int other = bed_across(b, s);
     if (!(b->rub->share[i] > 0 && b->rub->share[other] > 0)) return b->rub->share[i] > 0;
@@ -67,20 +67,23 @@ static double weight_on(const struct bed *b, const struct bed_side *s, int i) {
     return mine / (mine + others);
 }
 
-/* Walls that are not rough have no friction across them. */
+static bool slips(const struct bed *b, int f) {
+    return b->set.kind[f] == BED_WALL && !bed_rubs_at(b, f);
+}
+
+/* Takes from a vector its part along the normal of a face. */
+static void flatten(const struct bed *b, int f, double *a) {
+    const double along = bed_along(b, b->set.shapes->normal, b->set.shape[f], a);
+    for (int k = 0; k < b->dim; k++) a[k] -= along * b->set.shapes->normal[k][b->set.shape[f]];
+}
+
+/* The same on walls with friction that are not rough: they have none across them. */
 static void flatten_if_smooth(const struct bed *b, int f, double *a) {
-    if (b->set.kind[f] == BED_WALL && !bed_is_rough(b, f)) bed_flatten(b, f, a);
+    if (b->set.kind[f] == BED_WALL && !bed_is_rough(b, f)) flatten(b, f, a);
 }
 
-/* Sets a to its part that a wall holds: all of that across it, along it as far as it holds the gas. */
-static void take_held(const struct bed *b, int f, double *a) {
-    double flat[MAX_DIM];
-    memcpy(flat, a, sizeof flat);
-    bed_flatten(b, f, flat);
-    for (int m = 0; m < b->components; m++) a[m] -= (1 - bed_grip(b, f)) * flat[m];
-}
-
-/* Sets u to the velocity on a face. */
+/* Sets u to the velocity on a face: on a wall with friction that of the wall, across one that is not rough of the cell.
+ */
 static void find_value(const struct bed *b, int f, double *const *V, double u[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
     for (int m = 0; m < MAX_DIM; m++) u[m] = 0;
@@ -88,6 +91,12 @@ static void find_value(const struct bed *b, int f, double *const *V, double u[MA
         const int i = right ? b->set.right[f] : b->set.left[f];
         const struct bed_side s = {f, b->set.shape[f], right, right ? -1 : 1};
         if (i < 0) continue;
+        if (b->set.kind[f] == BED_WALL && !slips(b, f)) {
+            for (int m = 0; m < b->components; m++) u[m] = b->set.wall_speed[m][f] - V[m][i];
+            flatten_if_smooth(b, f, u);
+            for (int m = 0; m < b->components; m++) u[m] += V[m][i];
+            return;
+        }
         const double w = weight_on(b, &s, i);
         for (int m = 0; m < b->components && w > 0 && r->share[i] > 0; m++) {
             double at = V[m][i];
@@ -95,12 +104,7 @@ static void find_value(const struct bed *b, int f, double *const *V, double u[MA
             u[m] += w * at;
         }
     }
-    if (b->set.kind[f] != BED_WALL) return;
-    double own[MAX_DIM] = {0};
-    for (int m = 0; m < b->components; m++) own[m] = b->set.wall_speed[m][f];
-    take_held(b, f, own);
-    bed_flatten(b, f, u);
-    for (int m = 0; m < b->components; m++) u[m] += own[m];
+    if (slips(b, f)) flatten(b, f, u);
 }
 
 void bed_gauss_gradients(const struct bed *b, double *const *V) {
@@ -216,7 +220,7 @@ static void find_slants(const struct bed *b) {
             const double w = weight_on(b, &s, i);
             double y[MAX_DIM];
             for (int m = 0; m < b->components; m++) y[m] = w * r->value[m][s.face];
-            if (b->set.kind[s.face] == BED_WALL) bed_flatten(b, s.face, y);
+            if (slips(b, s.face)) flatten(b, s.face, y);
             for (int k = 0; k < b->dim; k++)
                 for (int m = 0; m < b->components; m++) P[k][m] += bed_middle(b, s.right)[k][s.shape] * y[m];
         }
@@ -235,12 +239,15 @@ void bed_find_pull(const struct bed *b) {
 /* Adds what acts on a cell by the velocity of one of its faces. */
 static void pull_by_value(const struct bed *b, const struct bed_side *s, int i, double force[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
-    double y[MAX_DIM];
-    if (!(r->share[i] > 0)) return;
-    const double w = weight_on(b, s, i);
-    for (int m = 0; m < b->components; m++) y[m] = r->value[m][s->face];
-    if (b->set.kind[s->face] == BED_WALL) bed_flatten(b, s->face, y);
-    for (int m = 0; m < b->components; m++) force[m] += w * y[m];
+    double y[MAX_DIM], flat[MAX_DIM];
+    for (int m = 0; m < b->components; m++) y[m] = flat[m] = r->value[m][s->face];
+    flatten_if_smooth(b, s->face, flat);
+    for (int m = 0; m < b->components; m++) {
+        if (b->set.kind[s->face] == BED_WALL)
+            force[m] += slips(b, s->face) ? flat[m] : y[m] - flat[m];
+        else if (r->share[i] > 0)
+            force[m] += weight_on(b, s, i) * y[m];
+    }
 }
 
 /* Adds what acts on a cell by the gradients that it has a part in across a side. */
@@ -249,8 +256,13 @@ static void pull_by_fit(const struct bed *b, const struct bed_side *s, int entry
     double own[MAX_DIM] = {0}, to[MAX_DIM], fit[MAX_DIM] = {0};
     for (int k = 0; k < b->dim && r->share[i] > 0; k++)
         for (int m = 0; m < b->components; m++) own[m] += r->fit[k][entry] * r->gradient[k][m][i];
+    if (slips(b, s->face)) { /* the change there is -2 n (u.n) */
+        const double along = bed_along(b, b->set.shapes->normal, s->shape, own);
+        for (int k = 0; k < b->dim; k++) force[k] -= 2 * along * b->set.shapes->normal[k][s->shape];
+        return;
+    }
     if (b->set.kind[s->face] > BED_WALL) return;
-    if (b->set.kind[s->face] == BED_WALL) take_held(b, s->face, own);
+    flatten_if_smooth(b, s->face, own);
     for (int m = 0; m < b->components; m++) force[m] -= own[m];
     if (b->set.kind[s->face] != BED_INNER) return;
     const int other = bed_across(b, s);
@@ -279,9 +291,18 @@ void bed_pull(const struct bed *b, int i, double force[MAX_DIM]) {
     }
 }
 
+/* Sets a to its part that a wall bears: all of it on a rough one, that along a wall with `muWall`, that across one that
+ * slips. */
+static void take_borne(const struct bed *b, int f, double *a) {
+    double flat[MAX_DIM];
+    memcpy(flat, a, sizeof flat);
+    flatten(b, f, flat);
+    for (int m = 0; m < b->components && !bed_is_rough(b, f); m++) a[m] = slips(b, f) ? a[m] - flat[m] : flat[m];
+}
+
 void bed_wall_pull(const struct bed *b, int f, double traction[MAX_DIM]) {
     const int right = b->set.left[f] < 0, i = right ? b->set.right[f] : b->set.left[f];
-    const double A = b->set.shapes->area[b->set.shape[f]], sign = right ? -1 : 1;
+    const double A = b->set.shapes->area[b->set.shape[f]], sign = right ? -1 : 1, images = slips(b, f) ? 2 : 1;
     double y[MAX_DIM] = {0}, direct[MAX_DIM] = {0};
     for (int m = 0; m < b->components; m++) {
         y[m] = b->rub->value[m][f];
@@ -289,8 +310,8 @@ void bed_wall_pull(const struct bed *b, int f, double traction[MAX_DIM]) {
     }
     for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++)
         for (int k = 0; k < b->dim && bed_side(b, j).face == f && b->rub->share[i] > 0; k++)
-            for (int m = 0; m < b->components; m++) y[m] += b->rub->fit[k][j] * b->rub->gradient[k][m][i];
-    take_held(b, f, y);
-    flatten_if_smooth(b, f, direct);
+            for (int m = 0; m < b->components; m++) y[m] += images * b->rub->fit[k][j] * b->rub->gradient[k][m][i];
+    take_borne(b, f, y);
+    take_borne(b, f, direct);
     for (int m = 0; m < b->components; m++) traction[m] = direct[m] - sign * y[m] / A;
 }

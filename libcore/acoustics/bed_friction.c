@@ -480,21 +480,16 @@ static int solve(const struct bed *b, double dt, double rate) {
 
 /* ---- the results ---- */
 
-/* A cell is held as far as none of its faces yields; walls count as far as they hold the gas. */
+/* A cell is held as far as none of its faces yields. */
 static void find_held(const struct bed *b) {
     const struct bed_friction *r = b->rub;
     for (int i = 0; i < b->set.cells; i++) {
-        double least = 2, walls = 1;
+        double least = 2;
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
-            const int f = bed_side(b, j).face;
-            const double part = r->part[f];
-            if (!(part > 0)) continue;
-            if (b->set.kind[f] == BED_WALL)
-                walls = smaller(walls, part + (1 - bed_grip(b, f)) * (1 - part));
-            else
-                least = smaller(least, part);
+            const struct bed_side s = bed_side(b, j);
+            if (r->part[s.face] > 0) least = smaller(least, r->part[s.face]);
         }
-        r->held[i] = least > 1 ? 0 : smaller(least, walls);
+        r->held[i] = least > 1 ? 0 : least;
     }
     bed_fill(b, 1, &r->held);
 }

@@ -97,19 +97,6 @@ static inline bool bed_is_rough(const struct bed *b, int f) {
     return b->set.kind[f] == BED_WALL && b->set.wall_friction[f] == HUGE_VAL;
 }
 
-/* Returns how far a wall holds the gas at it along itself: wholly (1) if grains yield before they slip on it, not at
- * all (0) if it has no friction. */
-static inline double bed_grip(const struct bed *b, int f) {
-    const double mu = b->set.wall_friction[f];
-    return mu > 0 ? smaller(1, mu / b->friction.params.mu_dynamic) : 0;
-}
-
-/* Takes from a vector its part along the normal of a face. */
-static inline void bed_flatten(const struct bed *b, int f, double *a) {
-    const double along = bed_along(b, b->set.shapes->normal, b->set.shape[f], a);
-    for (int k = 0; k < b->dim; k++) a[k] -= along * b->set.shapes->normal[k][b->set.shape[f]];
-}
-
 status bed_friction_make(struct bed *b); /* nothing, if the bed has no law of friction */
 void bed_friction_free(struct bed_friction *r);
 /* Gradients of the velocity in cells (bed_strain.c): bed_fit_cell finds the numbers that bed_find_gradients, which is
@@ -126,7 +113,7 @@ void bed_look_askew(const struct bed *b, const struct face_view *v, double *cons
                     double mean[MAX_DIM][MAX_DIM]);
 void bed_find_pull(const struct bed *b);
 void bed_pull(const struct bed *b, int i, double force[MAX_DIM]);
-/* Finds the traction (Pa) of a wall on the gas, from left to right. */
+/* Finds the traction (Pa) of a rough wall on the gas, from left to right. */
 void bed_wall_pull(const struct bed *b, int f, double traction[MAX_DIM]);
 /* Finds what friction does over dt: lines rubbed, push and traction. Its pressures are those of b->set.pressure.
  * driven: are weight and pressure to act in the same step? *done: false, on all ranks, if dt is too long. Collective.

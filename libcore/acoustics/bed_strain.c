@@ -10,22 +10,16 @@
 static const double ALONE = 1e-9, FLAT = 1e-6;
 static const double EVEN = 0.1; /* evenness from which on a gradient is trusted in full */
 
-/* Changes the way to a wall's face into one that leads straight to the wall as far as this does not hold the gas: gas
- * that slips has the velocity of its cell there, that of a wall which rotates is known at the face. */
-static void lead_to_wall(const struct bed *b, const struct bed_side *s, double to[MAX_DIM]) {
-    const double grip = bed_grip(b, s->face), depth = bed_along(b, b->set.shapes->normal, s->shape, to);
-    for (int k = 0; k < b->dim; k++) to[k] = grip * to[k] + (1 - grip) * depth * b->set.shapes->normal[k][s->shape];
-}
-
 double bed_fit_weight(const struct bed *b, const struct bed_side *s, int across, double to[MAX_DIM]) {
     double *const *const mid[2] = {bed_middle(b, 0), bed_middle(b, 1)};
     double square = 0, weight = 1;
-    const bool wall = b->set.kind[s->face] == BED_WALL;
+    const bool wall = b->set.kind[s->face] == BED_WALL, slips = wall && !bed_rubs_at(b, s->face);
     if (!wall && b->set.kind[s->face] != BED_INNER) return 0;
     if (!wall) weight = b->rub->share[across];
-    for (int k = 0; k < b->dim; k++) to[k] = mid[s->right][k][s->shape] - (wall ? 0 : mid[!s->right][k][s->shape]);
-    if (wall && bed_grip(b, s->face) < 1) lead_to_wall(b, s, to);
-    for (int k = 0; k < b->dim; k++) square += to[k] * to[k];
+    for (int k = 0; k < b->dim; k++) {
+        to[k] = mid[s->right][k][s->shape] - (wall && !slips ? 0 : mid[!s->right][k][s->shape]);
+        square += to[k] * to[k];
+    }
     return weight / square;
 }
 
@@ -98,15 +92,19 @@ void bed_fit_cell(const struct bed *b, int i) {
     }
 }
 
-/* Returns the difference of component m of V from cell i to what is across a side. Gas at a wall has the wall's
- * velocity across it; along it as far as the wall holds it, else that of the cell. */
+/* Returns the difference of component m of V from cell i to what is across a side: a wall with friction,
+ * which on other meshes than boxes counts along itself alone if it is not rough; the mirror image at others. */
 ALWAYS_INLINE double change_across(const struct bed *b, const struct bed_side *s, int i, double *const *V, int m) {
     if (b->set.kind[s->face] == BED_INNER) return V[m][bed_across(b, s)] - V[m][i];
-    const double change = b->set.wall_speed[m][s->face] - V[m][i], grip = bed_grip(b, s->face);
-    if (grip == 1 || m >= b->dim) return grip * change;
-    const double across =
-        bed_normal_speed(b, b->set.wall_speed, s->face, s->shape) - bed_normal_speed(b, V, i, s->shape);
-    return grip * change + (1 - grip) * b->set.shapes->normal[m][s->shape] * across;
+    if (bed_rubs_at(b, s->face)) {
+        const double change = b->set.wall_speed[m][s->face] - V[m][i];
+        if (b->set.shapes->boxes || bed_is_rough(b, s->face) || m >= b->dim) return change;
+        return change -
+               b->set.shapes->normal[m][s->shape] *
+                   (bed_normal_speed(b, b->set.wall_speed, s->face, s->shape) - bed_normal_speed(b, V, i, s->shape));
+    }
+    if (m >= b->dim) return 0;
+    return -2 * b->set.shapes->normal[m][s->shape] * bed_normal_speed(b, V, i, s->shape);
 }
 
 ALWAYS_INLINE void gradients_with(const struct bed *b, double *const *V, struct sizes n) {

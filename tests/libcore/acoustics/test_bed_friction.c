@@ -444,31 +444,6 @@ static void test_momentum_and_energy(void **state) {
     }
 }
 
-/* Walls whose friction tends to 0 become walls without, on which gas slips. */
-static void test_walls_of_little_friction_slip(void **state) {
-    (void)state;
-    for (int k = 0; k < SHAKEN_FORMS; k++) {
-        struct box x[2];
-        struct box_form form = SHAKEN[k];
-        double off = 0, most = 0;
-        form.friction = law("muI", 0.38);
-        for (int one = 0; one < 2; one++) {
-            make(&x[one], &form);
-            set_shaken(&x[one], 3);
-            for (int f = 0; f < x[one].bed.set.faces; f++)
-                if (x[one].bed.set.wall_friction[f] < HUGE_VAL) x[one].bed.set.wall_friction[f] *= one ? 1e-13 : 0;
-            for (int n = 0; n < 5; n++) step(&x[one], 0.2, (const double[]){0.01, -0.03, 0});
-        }
-        for (int v = 0; v < x[0].bed.components + 2; v++)
-            for (int i = 0; i < x[0].bed.set.cells; i++) {
-                off = larger(off, fabs(x[1].bed.set.U[v][i] - x[0].bed.set.U[v][i]));
-                if (v > 0) most = larger(most, fabs(x[0].bed.set.U[v][i]));
-            }
-        assert_true(most > 0 && off < 1e-10 * most);
-        for (int one = 0; one < 2; one++) box_free(&x[one]);
-    }
-}
-
 /* A layer of packed gas of uniform temperature whose pressure carries its weight across a floor: 20 cells high, under a
  * smooth lid. */
 static double lay_layer(struct box *x, double floor, const double gravity[MAX_DIM]) {
@@ -686,7 +661,6 @@ int main(void) {
         cmocka_unit_test(test_sheared_gas_has_the_yield_stress),
         cmocka_unit_test(test_stress_falls_to_the_yield_stress),
         cmocka_unit_test(test_momentum_and_energy),
-        cmocka_unit_test(test_walls_of_little_friction_slip),
         cmocka_unit_test(test_gas_that_is_not_packed_has_no_friction),
         cmocka_unit_test(test_cold_gas_lies_in_its_cells),
         cmocka_unit_test(test_too_long_steps_fail),
