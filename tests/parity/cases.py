@@ -110,6 +110,7 @@ SHIPPED = {
     "hopper": Row("hopper", {"N": 24}, ended(0.02)),
     "inclineSpheres": Row("inclineSpheres", {"N": 20}, ended(3)),
     "jetOnPlate": Row("jetOnPlate", {}, ended(20)),
+    "jet": Row("jet", {"N": 6}, ended(5e-5)),
     "kink": Row("kink", {"M": 101}, ended(2, deltaT=0.01)),
     "leidenfrost": Row("leidenfrost", {}, ended(4)),
     "pile": Row("pile", {"N": 10}, ended(0.1)),

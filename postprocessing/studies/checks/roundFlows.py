@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quantities of expected.json for bodies of revolution: blasts beside radial flow, cones beside conical flow."""
+"""Quantities of expected.json for bodies of revolution: blasts beside radial flow, cones beside conical flow, the Mach disk of a jet."""
 import functools
 
 import numpy as np
@@ -69,7 +69,34 @@ def cone_error(case, field, time):
     return float(np.mean(case.field(field, time)[here] / getattr(flow.sample(angle[here]), field)) - 1)
 
 
+def axis_of_jet(case, time):
+    """x, p and Mach number of the cells on the axis of cases/jet (gamma 1.4), by x."""
+    r = case.centres[:, 1]
+    row = np.flatnonzero(r < 1.5 * r.min())
+    row = row[np.argsort(case.centres[row, 0])]
+    p = case.field("p", time)[row]
+    return case.centres[row, 0], p, case.field("U", time)[row, 0] / np.sqrt(1.4 * p / case.field("rho", time)[row])
+
+
+def disk(x, p):
+    """Where p rises most from cell to cell along the axis, behind the first tenth."""
+    rise = np.where(x[:-1] > 0.1 * x[-1], np.diff(p), 0)
+    at = int(np.argmax(rise))
+    return float((x[at] + x[at + 1]) / 2)
+
+
+def mach_disk(case, _, time):
+    """m."""
+    return disk(*axis_of_jet(case, time)[:2])
+
+
+def greatest_mach(case, _, time):
+    return float(axis_of_jet(case, time)[2].max())
+
+
 QUANTITIES = {
+    "place of the Mach disk": mach_disk,
+    "greatest Mach number": greatest_mach,
     "L1 error of a ball": blast_error(2),
     "L1 error of a cylinder": blast_error(1),
     "ball over line": over_line(2),
