@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs short forms of the cases through the real programs, in a temporary folder."""
+import functools
 import os
 import shutil
 import subprocess
@@ -89,11 +90,25 @@ def drop_vtk(case):
     dictionary.drop(os.path.join(case, "system", "controlDict"), "vtk")
 
 
+@functools.lru_cache(16)
+def made_by_gmsh(text, option, cells):
+    """The .msh of a geometry that needs no other file. Tests of a module often ask for the same one."""
+    with tempfile.TemporaryDirectory() as folder:
+        geo, msh = os.path.join(folder, "mesh.geo"), os.path.join(folder, "mesh.msh")
+        with open(geo, "w") as f:
+            f.write(text)
+        subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", option, str(cells), geo, "-o", msh], check=True, capture_output=True)
+        with open(msh, "rb") as f:
+            return f.read()
+
+
 def mesh(case, cells, option="N"):
     """mesh.geo with N (or another option) = cells through gmsh and gmshToCase."""
     msh = os.path.join(case, "mesh.msh")
-    subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", option, str(cells), os.path.join(case, "mesh.geo"), "-o", msh],
-                   check=True, capture_output=True)
+    with open(os.path.join(case, "mesh.geo")) as f:
+        text = f.read()
+    with open(msh, "wb") as f:
+        f.write(made_by_gmsh(text, option, cells))
     program("gmshToCase", msh, "-case", case)
 
 
