@@ -448,8 +448,9 @@ void diffusion_looks_ahead(struct gas *g, const struct state *to);
 static inline const double *shear_rate_at(const struct gas *g, unsigned needs, int block, long at) {
     return needs & NEEDS_SHEAR_RATE ? g->diffusion.shear_rate.now[block] + at : NULL;
 }
-/* Computes the shear rate of n <= BATCH cells; gradient: lines du_c/dx_k, at k components + c. */
-void shear_rate_row(const struct gas *g, int n, const double *const *gradient, double *out);
+/* Computes the shear rate of n <= BATCH cells; gradient: lines du_c/dx_k, at k components + c; that of the swirl along
+ * the radius less u_s/r. around: u_r/r in bodies of revolution; NULL: the mesh is none. */
+void shear_rate_row(const struct gas *g, int n, const double *const *gradient, const double *around, double *out);
 
 /* ---- the heat flux of grad rho ---- */
 

@@ -44,14 +44,17 @@ void diffusion_looks_ahead(struct gas *g, const struct state *to) {
 /* Adds 2 D'_kl D'_kl of the axes k and l, and of l and k where they differ. Terms are added from the last axis on, as
  * in velocities. */
 KERNEL static void add_shears(int n, int dim, int components, double d, const double *const *gradient,
-                              double *restrict sum) {
+                              const double *restrict around, double *restrict sum) {
     double mean[BATCH] = {0}, none[BATCH] = {0};
+    const double lacks = d - dim - (around ? 1 : 0); /* axes that the mesh lacks */
     for (int k = dim - 1; k >= 0; k--)
         for (int i = 0; i < n; i++) mean[i] += gradient[k * components + k][i];
+    for (int i = 0; i < n && around; i++) mean[i] += around[i];
     for (int i = 0; i < n; i++) {
         mean[i] /= d;
-        sum[i] = d > dim ? 2 * (d - dim) * (mean[i] * mean[i]) : 0; /* along axes that the mesh lacks */
+        sum[i] = lacks > 0 ? 2 * lacks * (mean[i] * mean[i]) : 0;
     }
+    for (int i = 0; i < n && around; i++) sum[i] += 2 * ((around[i] - mean[i]) * (around[i] - mean[i]));
     for (int k = dim - 1; k >= 0; k--) {
         const double *restrict stretch = gradient[k * components + k];
         for (int i = 0; i < n; i++) sum[i] += 2 * ((stretch[i] - mean[i]) * (stretch[i] - mean[i]));
@@ -63,8 +66,8 @@ KERNEL static void add_shears(int n, int dim, int components, double d, const do
         }
 }
 
-void shear_rate_row(const struct gas *g, int n, const double *const *gradient, double *out) {
+void shear_rate_row(const struct gas *g, int n, const double *const *gradient, const double *around, double *out) {
     double sum[BATCH];
-    add_shears(n, g->dim, g->components, g->models.material.disks ? 2 : 3, gradient, sum);
+    add_shears(n, g->dim, g->components, g->models.material.disks ? 2 : 3, gradient, around, sum);
     for (int i = 0; i < n; i++) out[i] = sqrt(sum[i]);
 }

@@ -33,10 +33,22 @@ static void velocity_edge(struct gas *g, int tile, const struct edge *e, const v
     }
 }
 
+/* Sets u_r/r of n cells, and takes u_s/r from the slope of the swirl along the radius. Returns NULL if the mesh is none
+ * of a body of revolution. */
+static const double *turn_slopes(const struct gas *g, int tile, long at, int n, double (*slope)[BATCH],
+                                 double *around) {
+    const int radial = g->forest->radial, swirl = g->models.swirl;
+    double room[BATCH];
+    const double *r = row_radius(g, tile, at, n, room), *u = g->tiles->work.velocity[swirl] + at;
+    for (int i = 0; i < n && r; i++) around[i] = g->tiles->work.velocity[radial][at + i] / r[i];
+    for (int i = 0; i < n && r && swirl; i++) slope[radial * g->components + swirl][i] -= u[i] / r[i];
+    return r ? around : NULL;
+}
+
 static void tile_shear_rate(struct gas *g, int tile, double *out) {
     const struct forest *f = g->forest;
     const int *n = f->tile[tile].n, m = g->components;
-    double slope[MAX_DIM * MAX_DIM][BATCH];
+    double slope[MAX_DIM * MAX_DIM][BATCH], around[BATCH];
     const double *gradient[MAX_DIM * MAX_DIM];
     for (int i = 0; i < MAX_DIM * MAX_DIM; i++) gradient[i] = slope[i];
     for (int row = 0; row < n[1] * n[2]; row++) {
@@ -45,7 +57,7 @@ static void tile_shear_rate(struct gas *g, int tile, double *out) {
             const double *u = g->tiles->work.velocity[line % m] + at, quarter = 0.25 / f->width[line / m];
             for (int i = 0; i < n[0]; i++) slope[line][i] = 2 * half_derivative(u + i, f->stride[line / m], quarter);
         }
-        shear_rate_row(g, n[0], gradient, out + at);
+        shear_rate_row(g, n[0], gradient, turn_slopes(g, tile, at, n[0], slope, around), out + at);
     }
 }
 

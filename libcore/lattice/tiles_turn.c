@@ -48,72 +48,76 @@ double edge_turn_back(const struct gas *g, int tile, const struct edge *e) {
     return e->to > e->from ? 1 - lean[e->to] : 1 + lean[e->to];
 }
 
-struct axis_turn { /* the axes of the mesh and the component around the axis */
-    int dim, components, radial, swirl;
-    long size;
-};
-
-static struct axis_turn axes_of(const struct gas *g) {
-    return (struct axis_turn){g->dim, g->components, g->forest->radial, g->models.swirl, g->size};
-}
-
-/* The stress along the radius and around the axis, and what both do in the end; `side`: the slope along the axis. */
-ALWAYS_INLINE double radial_stress(const struct stress_row *r, const double *restrict turn, long size, int i,
-                                   double side) {
-    const double *u = r->S + r->axis * size + i, a = r->face[NORMAL * size + i], b = r->face[SHEAR * size + i];
-    const double jump = u[0] - u[-r->step], sum = u[-r->step] + u[0];
-    const double ring = turn[RING * size + i] * sum + turn[ON_AXIS * size + i] * jump, all = jump + (side + ring);
-    r->out[HOOP][i] = (a - 2 * b) * all + 2 * b * ring;
-    return a * all - 2 * b * (side + ring);
-}
-
-KERNEL static void turn_stress(const struct axis_turn *x, bool ends, const double *restrict turn,
-                               const struct stress_row *restrict r) {
-    const int axial = 1 - r->axis, dim = x->dim;
-    const long size = x->size, step = r->step;
-    const double *restrict lean = turn + LEAN * size;
+/* The stress along the radius and around the axis, and the work of the former. */
+KERNEL static void turn_radial(int dim, long size, const double *restrict turn, const struct stress_row *restrict r,
+                               double *restrict work) {
+    const double *restrict a = r->face + NORMAL * size, *restrict b = r->face + SHEAR * size, *restrict keep = r->keep;
+    const double *restrict u = r->S + r->axis * size, *restrict ring = turn + RING * size,
+                           *restrict axis = turn + ON_AXIS * size;
+    const double *restrict low = r->low + (1 - r->axis) * 3 * LINE, *restrict high = r->high + (1 - r->axis) * 3 * LINE;
+    double *restrict stress = r->out[r->axis], *restrict hoop = r->out[HOOP], side[LINE] = {0};
+    const long step = r->step;
+    for (int i = 0; i < r->n && dim > 1; i++) side[i] = (keep ? r->h * keep[i] : r->h) * (low[i] + high[i]);
     for (int i = 0; i < r->n; i++) {
-        const double wide = r->keep ? r->h * r->keep[i] : r->h, b = r->face[SHEAR * size + i];
-        const double *low = r->low + i, *high = r->high + i, *u = r->S + r->axis * size + i;
-        const double side = dim > 1 ? wide * (low[axial * 3 * LINE] + high[axial * 3 * LINE]) : 0;
-        const double stress = radial_stress(r, turn, size, i, side);
-        double work = stress * (0.5 * (u[-step] + u[0]));
-        r->out[r->axis][i] = stress;
-        for (int t = 0; t < x->components; t++) {
-            const double *v = r->S + t * size + i;
-            if (t == r->axis) continue;
-            const bool around = x->swirl && t == x->swirl;
-            const double above = around ? (1 - lean[i]) * v[0] : v[0],
-                         below = around ? (1 + lean[i - step]) * v[-step] : v[-step];
-            const double along =
-                t < dim ? wide * (low[(t * dim + r->axis) * LINE] + high[(t * dim + r->axis) * LINE]) : 0;
-            const double shear = b * ((above - below) + along);
-            work += shear * (0.5 * (below + above));
-            r->out[t][i] = shear;
-        }
-        if (ends) r->out[x->components][i] = work;
+        const double jump = u[i] - u[i - step], sum = u[i - step] + u[i];
+        const double around = ring[i] * sum + axis[i] * jump, all = jump + (side[i] + around);
+        hoop[i] = (a[i] - 2 * b[i]) * all + 2 * b[i] * around;
+        stress[i] = a[i] * all - 2 * b[i] * (side[i] + around);
+        work[i] = stress[i] * (0.5 * sum);
+    }
+}
+
+/* The stress of component t of the velocity, and its work; lean: of the swirl, else NULL. */
+KERNEL static void turn_shear(int dim, int t, long size, const double *restrict lean,
+                              const struct stress_row *restrict r, double *restrict work) {
+    const double *restrict b = r->face + SHEAR * size, *restrict v = r->S + t * size, *restrict keep = r->keep;
+    const double *restrict low = r->low + (t * dim + r->axis) * LINE, *restrict high =
+                                                                          r->high + (t * dim + r->axis) * LINE;
+    double *restrict out = r->out[t], along[LINE] = {0};
+    const long step = r->step;
+    for (int i = 0; i < r->n && t < dim; i++) along[i] = (keep ? r->h * keep[i] : r->h) * (low[i] + high[i]);
+    for (int i = 0; i < r->n && !lean; i++) {
+        out[i] = b[i] * ((v[i] - v[i - step]) + along[i]);
+        work[i] += out[i] * (0.5 * (v[i - step] + v[i]));
+    }
+    for (int i = 0; i < r->n && lean; i++) {
+        const double above = (1 - lean[i]) * v[i], below = (1 + lean[i - step]) * v[i - step];
+        out[i] = b[i] * ((above - below) + along[i]);
+        work[i] += out[i] * (0.5 * (below + above));
     }
 }
 
 void turn_faces(const struct gas *g, bool ends, const double *turn, const struct stress_row *r) {
-    const struct axis_turn x = axes_of(g);
-    turn_stress(&x, ends, turn, r);
+    double room[LINE], *work = ends ? r->out[g->components] : room;
+    turn_radial(g->dim, g->size, turn, r, work);
+    for (int t = 0; t < g->components; t++)
+        if (t != r->axis)
+            turn_shear(g->dim, t, g->size, t == g->models.swirl && t > 0 ? turn + LEAN * g->size : NULL, r, work);
 }
 
 enum weighting { BY_AREA, BY_MOMENT, WITH_HOOP };
 
-KERNEL static void turn_sum(enum weighting how, const struct turn_row *restrict r) {
+ALWAYS_INLINE void turn_weigh(enum weighting how, const struct turn_row *restrict r) {
     const double *restrict lean = r->turn, *restrict low = r->low, *restrict high = r->high;
+    const double *restrict first = r->along[0], *restrict last = r->along[1];
+    const double *restrict hoop_low = r->hoop_low, *restrict hoop_high = r->hoop_high;
+    double *restrict out = r->out;
     for (int i = 0; i < r->n; i++) {
         const double q = lean[i], below = 1 - q, above = 1 + q;
-        double sum;
-        if (how == BY_MOMENT)
-            sum = ((above * above) * high[i] - (below * below) * low[i]) / (1 + q * q);
-        else
-            sum = above * high[i] - below * low[i];
-        if (how == WITH_HOOP) sum -= q * (r->hoop_low[i] + r->hoop_high[i]);
-        r->out[i] = r->along[0] ? sum + (r->along[1][i] - r->along[0][i]) : sum;
+        out[i] = how == BY_MOMENT ? ((above * above) * high[i] - (below * below) * low[i]) / (1 + q * q)
+                                  : above * high[i] - below * low[i];
+        if (how == WITH_HOOP) out[i] -= q * (hoop_low[i] + hoop_high[i]);
     }
+    for (int i = 0; i < r->n && first; i++) out[i] += last[i] - first[i];
+}
+
+KERNEL static void turn_sum(enum weighting how, const struct turn_row *restrict r) {
+    if (how == BY_MOMENT)
+        turn_weigh(BY_MOMENT, r);
+    else if (how == WITH_HOOP)
+        turn_weigh(WITH_HOOP, r);
+    else
+        turn_weigh(BY_AREA, r);
 }
 
 void turn_gain(const struct gas *g, const struct turn_row *r) {

@@ -80,6 +80,15 @@ static void slide_along(struct gas *g, int mirror) {
         for (int c = 0; c < lines; c++) gradient[k * lines + c][cell] += W[k] * s[c];
 }
 
+/* Sets u_r/r of n cells from `at` on. Returns NULL if the mesh is none of a body of revolution. */
+static const double *turn_of(const struct gas *g, int at, int n, double *around) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const int radial = m->round.radial;
+    for (int i = 0; i < n && radial >= 0; i++)
+        around[i] = g->cells->shear_rate->velocity[radial][at + i] / (m->centre[radial][at + i] - m->round.at);
+    return radial >= 0 ? around : NULL;
+}
+
 void cells_shear_rate(struct gas *g, const struct state *s) {
     struct polyhedra *m = g->cells->polyhedra;
     struct cells_shear_rate *x = g->cells->shear_rate;
@@ -90,8 +99,10 @@ void cells_shear_rate(struct gas *g, const struct state *s) {
         if (wall_slides(&g->patches.rules[m->mirror.patch[i]])) slide_along(g, i);
     for (int at = 0; at < m->nown; at += BATCH) {
         const double *gradient[MAX_DIM * MAX_DIM] = {NULL};
+        const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
+        double around[BATCH];
         for (int i = 0; i < g->dim * g->components; i++) gradient[i] = x->gradient[i] + at;
-        shear_rate_row(g, m->nown - at < BATCH ? m->nown - at : BATCH, gradient, rate + at);
+        shear_rate_row(g, n, gradient, turn_of(g, at, n, around), rate + at);
     }
     polyhedra_fill_start(m, 1, &rate);
     polyhedra_fill_finish(m);

@@ -430,9 +430,6 @@ status models_round(const struct setup *s, struct case_models *m) {
         if (moved[x] && x != r->axial)
             return round_refuse(s, "gravity, or another source, across the axis",
                                 "it would not be the same all around; let it act along the axis");
-    const unsigned needs = source_needs(&m->gas.source, &m->gas.material);
-    if ((needs | (m->gas.transport ? m->gas.transport->needs : 0)) & NEEDS_SHEAR_RATE)
-        return round_refuse(s, "a law of the shear rate", "choose another law of transport or cooling");
     if (gas_rubs(&m->gas) && s->dim < 2)
         return round_refuse(s, "friction on radial cells alone", "give the mesh cells along the axis, too");
     return OK;

@@ -19,7 +19,7 @@ ALPHA, SLOW = 0.2, 1e-4
 GAS = garzoDufty.Grains(3, 1.0)
 RHO = ALPHA / GAS.per
 PROPERTIES = """grain {{ diameter 1; mass 1; restitution {e!r}; }}
-equationOfState TorquatoSpheres;   cooling none;   transport {law};
+equationOfState TorquatoSpheres;   cooling {cooling};   transport {law};
 """
 CYCLIC = {"x": "cyclic", "yLow": "symmetryPlane"}
 POLYHEDRAL = {"schemes": "meshEngine polyhedral;\n"}
@@ -33,7 +33,7 @@ def rotating(omega, inner=0.0):
 
 class RoundFlows(harness.Folder, unittest.TestCase):
     def case(self, name, n, size, U, end, walls=None, kinds=None, inner=0.0, along="x", T=1.0, T_wall="zeroGradient", law="GarzoDufty",
-             e=1.0, solution="", schemes="", functions="", gravity=None, **control):
+             e=1.0, alpha=ALPHA, cooling="none", solution="", schemes="", functions="", gravity=None, **control):
         """A gas of spheres of packing ALPHA in a box of n cells about an axis at y = -inner (or x, `along` y: all is swapped).
         U: a function of centres and radii; walls: types of U by patch; kinds: types of patches."""
         case, swap = os.path.join(self.folder, name), along == "y"
@@ -47,11 +47,11 @@ class RoundFlows(harness.Folder, unittest.TestCase):
         x = x[:, [1, 0, 2]] if swap else x
         u = np.stack(U(x, x[:, 1] + inner), axis=1)
         rest = [f"{p} {k if k in ('empty', 'cyclic', 'symmetryPlane') else 'zeroGradient'}" for p, k in patches.items() if p not in walls]
-        for field, values, rules in (("alpha", np.full(len(x), ALPHA), {}), ("T", np.full(len(x), T), dict.fromkeys(walls, T_wall)),
+        for field, values, rules in (("alpha", np.full(len(x), alpha), {}), ("T", np.full(len(x), T), dict.fromkeys(walls, T_wall)),
                                      ("U", u[:, [1, 0, 2]] if swap else u, walls)):
             rows = rest + [f"{p} {rules.get(p, 'zeroGradient')}" for p in walls]
             boxes.write_field(case, field, values, "\n".join(rows))
-        boxes.write_dictionary(case, "constant", "granularProperties", PROPERTIES.format(law=law, e=e))
+        boxes.write_dictionary(case, "constant", "granularProperties", PROPERTIES.format(law=law, e=e, cooling=cooling))
         origin = f"({-inner!r} 0 0)" if swap else f"(0 {-inner!r} 0)"
         boxes.write_dictionary(case, "system", "meshDict", "axis { direction (%s); origin %s; }\n" % ("0 1 0" if swap else "1 0 0", origin))
         boxes.write_dictionary(case, "system", "fvSolution", solution)
@@ -197,6 +197,29 @@ class RoundFlows(harness.Folder, unittest.TestCase):
                 self.assertGreater(np.abs(dye - one.field("dye", 0)).max(), 0.2)
                 np.testing.assert_array_equal(one.field("mark"), 0.3)
                 np.testing.assert_array_equal(three.field("dye"), dye)
+
+    def test_shear_rate(self):
+        """A cooling law of the shear rate: rigid rotation has none, u_x = a r that of the plane flow, u = a (-2 x, r) sqrt(12) a."""
+        def cooled(name, U, plane=False, **engine):
+            case, x = self.case(name, (12, 16, 1), (0.3, 0.4, 0.1), U, 1e-5, kinds=CYCLIC,
+                                walls={"yHigh": "slip"}, T=0.01, alpha=0.5, e=0.7, law="none", cooling="Jenkins", adjust="no",
+                                step=1e-5, **engine)
+            if plane:
+                os.remove(os.path.join(case, "system", "meshDict"))
+            inside = (x[:, 1] > 0.12) & (x[:, 1] < 0.28) & (np.abs(x[:, 0] - 0.15) < 0.03)  # as far as the ends do not reach
+            return 0.01 - self.run_case(case).field("T")[inside]
+        rest = cooled("rest", lambda x, r: (0 * r, 0 * r, 0 * r))
+        # the centrifugal force thins the gas, which cools it by the square of the step
+        np.testing.assert_allclose(cooled("rotates", lambda x, r: (0 * r, 0 * r, 0.6 * r)), rest, rtol=1e-2)
+        plane, stretch = cooled("plane", lambda x, r: (0.6 * r, 0 * r, 0 * r), plane=True), 0.6 / np.sqrt(12)
+        self.assertLess((plane / rest).max(), 0.8)  # correlated impacts take less
+        for engine in ({}, POLYHEDRAL):
+            more = 0.025**2 / 12 if engine else 0  # polyhedra have means over r dr
+            for name, U in (("sheared", lambda x, r: (0.6 * (r + more / r), 0 * r, 0 * r)),
+                            ("stretched", lambda x, r: (-2 * stretch * (x[:, 0] - 0.15), stretch * (r + more / r), 0 * r))):
+                with self.subTest(name, **engine):
+                    # on polyhedra E of the means changes by h^2 besides; without u_r/r the rate would differ by a tenth
+                    np.testing.assert_allclose(cooled(name + str(len(engine)), U, **engine), plane, rtol=1e-3 if engine else 1e-4)
 
     def test_implicit(self):
         """Implicit diffusion finds the flow that super steps find."""
