@@ -64,11 +64,10 @@ ALWAYS_INLINE void heat_gains(int n, int dim, const long *stride, long size, con
     for (int i = 0; i < n; i++) out[i] = heat_gain(dim, stride, size, face + i, S + i);
 }
 
-ALWAYS_INLINE void next_of_gains(int n, const double *restrict gain, const double *restrict friction,
-                                 const struct stage_row *restrict r) {
-    for (int i = 0; i < n; i++)
-        r->next[i] = next_sum(r->c, r->last[i], r->next[i], gain[i], r->light[i], r->start[i]) +
-                     (friction ? r->c[4] * friction[i] : 0);
+ALWAYS_INLINE void next_of_gains(int n, const double *restrict gain, const struct stage_row *restrict r) {
+    const double *c = r->c, *light = r->light, *start = r->start, *last = r->last;
+    double *next = r->next;
+    for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain[i], light[i], start[i]);
 }
 
 ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
@@ -85,9 +84,10 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
             const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + at, s->S + at,
                                           s->next + at};
             if (turn) turn_heat(s->g, n[0], turn + at, face, s->S + at, M[0]);
-            if (s->c && turn)
-                next_of_gains(n[0], M[0], friction, &row);
-            else if (s->c)
+            if (s->c && turn) {
+                next_of_gains(n[0], M[0], &row);
+                for (int i = 0; i < n[0]; i++) row.next[i] += s->c[4] * friction[i];
+            } else if (s->c)
                 heat_next(vectors, dim, f->stride, f->size, face, friction, &row);
             else if (!turn)
                 heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
@@ -97,6 +97,11 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
 
 ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *restrict q, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = half_derivative(q + i, step, quarter);
+}
+
+ALWAYS_INLINE void divergence_row(int n, long step, double quarter, const double *restrict q,
+                                  const double *restrict lean, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = half_divergence(q + i, step, quarter, lean[i]);
 }
 
 /* The gradients of a row of cells, or in a row of ghosts the derivatives along the side. That of the velocity along the
@@ -115,9 +120,10 @@ ALWAYS_INLINE void row_gradients(const struct sweep *s, int dim, int j, int k, c
             memcpy(row, ghost, (size_t)vectors * sizeof *row);
         } else {
             const double *q = S + line % dim * f->size + at;
-            gradient_row(vectors, f->stride[along], 0.25 / f->width[along], q, row);
-            for (int i = 0; i < vectors && turn && line == f->radial * (dim + 1); i++)
-                row[i] = half_divergence(q + i, f->stride[along], 0.25 / f->width[along], turn[at + i]);
+            if (turn && line == f->radial * (dim + 1))
+                divergence_row(vectors, f->stride[along], 0.25 / f->width[along], q, turn + at, row);
+            else
+                gradient_row(vectors, f->stride[along], 0.25 / f->width[along], q, row);
             row[-1] = ghost[-1];
             row[n[0]] = ghost[n[0]];
         }
@@ -246,7 +252,7 @@ ALWAYS_INLINE void take_gains(struct sweep *s, int dim, int lines, const double 
             gain_row(vectors, dim, &around, M[v]);
         else
             next_row(vectors, dim, &around, &row);
-        if (turn && s->c) next_of_gains(n, M[v], NULL, &row);
+        if (turn && s->c) next_of_gains(n, M[v], &row);
     }
 }
 
@@ -303,45 +309,38 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
         }
 }
 
-#define SWEEP(dim, m)                                                                                                  \
-    KERNEL static void sweep_##dim##d_##m(struct sweep *s, bool plain) {                                               \
+#define SWEEP(name, dim, m, round)                                                                                     \
+    KERNEL static void name##_##dim##d_##m(struct sweep *s, bool plain) {                                              \
         if (s->what == HEAT)                                                                                           \
-            heat_sweep(s, dim, false);                                                                                 \
+            heat_sweep(s, dim, round);                                                                                 \
         else if (plain)                                                                                                \
-            s->c ? viscous_sweep(s, dim, m, false, true, false) : viscous_sweep(s, dim, m, true, true, false);         \
+            s->c ? viscous_sweep(s, dim, m, false, true, round) : viscous_sweep(s, dim, m, true, true, round);         \
         else                                                                                                           \
-            s->c ? viscous_sweep(s, dim, m, false, false, false) : viscous_sweep(s, dim, m, true, false, false);       \
+            s->c ? viscous_sweep(s, dim, m, false, false, round) : viscous_sweep(s, dim, m, true, false, round);       \
     }
-SWEEP(1, 1)
-SWEEP(1, 2)
-SWEEP(1, 3)
-SWEEP(2, 2)
-SWEEP(2, 3)
-SWEEP(3, 3)
-#define ROUND_SWEEP(dim)                                                                                               \
-    KERNEL static void sweep_round_##dim##d(struct sweep *s, bool plain) {                                             \
-        if (s->what == HEAT)                                                                                           \
-            heat_sweep(s, dim, true);                                                                                  \
-        else                                                                                                           \
-            viscous_sweep(s, dim, s->g->components, !s->c, plain, true);                                               \
-    }
-ROUND_SWEEP(1)
-ROUND_SWEEP(2)
+SWEEP(sweep, 1, 1, false)
+SWEEP(sweep, 1, 2, false)
+SWEEP(sweep, 1, 3, false)
+SWEEP(sweep, 2, 2, false)
+SWEEP(sweep, 2, 3, false)
+SWEEP(sweep, 3, 3, false)
+SWEEP(round_sweep, 1, 1, true)
+SWEEP(round_sweep, 1, 2, true)
+SWEEP(round_sweep, 1, 3, true)
+SWEEP(round_sweep, 2, 2, true)
+SWEEP(round_sweep, 2, 3, true)
 
 typedef void sweep_function(struct sweep *s, bool plain);
-/* By the dimension and the components of u beyond it; of bodies of revolution by the dimension. */
-static sweep_function *const sweeps[3][3] = {
-    {sweep_1d_1, sweep_1d_2, sweep_1d_3}, {sweep_2d_2, sweep_2d_3, NULL}, {sweep_3d_3, NULL, NULL}};
-static sweep_function *const round_sweeps[2] = {sweep_round_1d, sweep_round_2d};
+/* In the plane, and of bodies of revolution, by the dimension and the components of u beyond it. */
+static sweep_function *const sweeps[2][3][3] = {
+    {{sweep_1d_1, sweep_1d_2, sweep_1d_3}, {sweep_2d_2, sweep_2d_3, NULL}, {sweep_3d_3, NULL, NULL}},
+    {{round_sweep_1d_1, round_sweep_1d_2, round_sweep_1d_3}, {round_sweep_2d_2, round_sweep_2d_3, NULL}}};
 
 static void sweep_tile(struct sweep *s) {
     const struct diffuser *d = s->g->tiles->diffuser;
     s->S = d->sum[d->last][s->tile];
     s->next = d->sum[1 - d->last][s->tile];
-    if (d->turn)
-        round_sweeps[s->g->dim - 1](s, d->plain);
-    else
-        sweeps[s->g->dim - 1][s->g->components - s->g->dim](s, d->plain);
+    sweeps[d->turn != NULL][s->g->dim - 1][s->g->components - s->g->dim](s, d->plain);
 }
 
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
