@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Bodies of revolution: the first eight families, fields that cool, and open sides, in (axial, radial) or radial cells
- * on the axis or beside it, with a swirl around it on lattices. */
+ * on the axis or beside it, with a swirl around it and with transport on lattices. */
 #include "tests/stress/problem.h"
 
 #include <string.h>
@@ -61,6 +61,7 @@ void round_draw(struct problem *p, struct seed *s) {
     p->source.gravity[p->radial] = 0;
     p->stated = p->edge == OPEN_ENDED;
     round_swirl(p, s);
+    if (!p->polyhedral && p->seed / KINDS % 4 == 2) inelastic_transport(p, s);
 }
 
 void round_at(const struct problem *p, const struct place *where, struct point *out) {

@@ -619,7 +619,8 @@ static status compare_round(const struct problem *p, const struct scheme *scheme
     TRY(run_scene(p, scheme, &again, c, &second));
     if (second.checksum != out->checksum || second.steps != out->steps)
         set_verdict(out, FAILED, "uniform regions that are computed change the bits");
-    if (p->dim < 2 || out->verdict == FAILED) return OK;
+    const bool solved = p->diffusion && !p->diffusion->plan; /* PETSc's sums follow the order of the cells */
+    if (p->dim < 2 || solved || out->verdict == FAILED) return OK;
     TRY(run_scene(&mirror, scheme, &again, c, &second));
     if (second.image != out->image || second.steps != out->steps)
         set_verdict(out, FAILED, "the mirror image has other bits");

@@ -98,7 +98,8 @@ static void print_transport(const struct problem *p, const struct outcome *o) {
         if (p->source.on[i]) printf(", %s %.3g", source_table[i].model.name, p->source.params[i].room[0]);
     printf("; floor %.2g; %ld halves, %ld repeated, %ld cells plain, stages %ld %ld\n  walls", p->alpha_floor,
            o->counts.halves, o->counts.repeated, o->counts.plain, o->counts.stages[0], o->counts.stages[1]);
-    for (int i = 0; i < 2 * p->dim; i++) printf(" (%s %s)", p->wall[i].velocity, p->wall[i].temperature);
+    for (int i = 0; i < 2 * p->dim && p->wall[i].velocity; i++)
+        printf(" (%s %s)", p->wall[i].velocity, p->wall[i].temperature);
     printf("\n");
 }
 
