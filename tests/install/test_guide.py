@@ -58,7 +58,7 @@ class Guide(harness.Folder, unittest.TestCase):
         """Packages and options are those that there are."""
         self.assertIn("\n    " + " ".join(listed("build_packages")) + "\n", page())
         with open(os.path.join(harness.SOURCE, "CMakeLists.txt"), encoding="utf-8") as file:
-            options = re.findall(r'^option\((\w+) ".*" (ON|OFF)\)', file.read(), re.M)
+            options = [(a or c, b or d) for a, b, c, d in re.findall(r'^option\((\w+) ".*" (ON|OFF)\)|^set\((HAFF_\w+) (OFF) CACHE STRING', file.read(), re.M)]
         self.assertEqual(options, re.findall(r"^\| `(BUILD_TESTING|HAFF_\w+)` \| `(ON|OFF)`", page(), re.M))
 
 
