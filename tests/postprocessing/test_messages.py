@@ -132,7 +132,7 @@ class Messages(harness.Folder, unittest.TestCase):
         at = lambda name: os.path.join(out, name)
         return [["Plot", case, "-o", at("p.png"), "-dpi", "20"], ["Plot", case, "alpha", "-line", "0,0.5,0:2,0.5,0", "-o", at("p.png"), "-dpi", "20"],
                 ["Movie", case, "alpha", "-o", at("m.gif"), "-dpi", "20"], ["Log", case], ["figure", case],
-                ["expected", case], ["contours", case, "-o", at("c.png")], ["columns", case, at("c.csv"), "0.01"],
+                ["expected", case], ["turn", case], ["contours", case, "-o", at("c.png")], ["columns", case, at("c.csv"), "0.01"],
                 ["columns", case, at("c.csv"), "0.25", "-from", "0"], ["faraday", case], ["faradayFigures", case, case, out],
                 ["clustering", "table", case, out, "0.01"], ["clustering", "alike", case, case, "0.01"], ["compare", case, self.sound],
                 ["compare", self.sound, case], ["newCase", case], ["newCase", case, "-box", "1"], ["crossCheck", case, "-h"], ["report", case, "-o", at("r.html"), "-frames", "1"],
