@@ -25,6 +25,15 @@ def run_out(case, _, time, width):
     return float(front / width - 1)
 
 
+def round_run_out(case, _, time, radius):
+    """Way of the front beyond a round column about x = z = 0, of which the case has a quarter, over its radius. The front is the circle whose area
+    is that of the columns of cells that are a cell deep."""
+    _, column = np.unique(np.round(case.centres[:, [0, 2]], 9), axis=0, return_inverse=True)
+    cell = np.diff(np.unique(np.round(case.centres[:, 0], 9)))[0]
+    depth = np.bincount(column.ravel(), case.field("alpha", time)) * cell / MOST
+    return float(np.sqrt(4 / np.pi * np.count_nonzero(depth >= cell)) * cell / radius - 1)
+
+
 def depth_at(case, _, time, place):
     x, depth, _ = depths(case, time)
     return float(depth[np.argmin(np.abs(x - place))])
@@ -82,6 +91,7 @@ def slope_between(case, _, time, ends):
 
 QUANTITIES = {
     "run-out over the width": run_out,
+    "run-out of a round column over its radius": round_run_out,
     "depth at x": depth_at,
     "slope above that depth": slope,
     "slope of the surface to the horizontal": surface,
