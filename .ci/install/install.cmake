@@ -34,6 +34,13 @@ if(NOT CMAKE_CROSSCOMPILING)
     if(bad)
       message(WARNING \"some manual pages could not be made, see above\")
     endif()" COMPONENT programs)
+  # So are keywords for editors.
+  install(CODE "set(prefix \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
+    execute_process(COMMAND \${CMAKE_COMMAND} -E env HAFF_BIN=\${prefix}/bin /usr/bin/python3 -B ${CMAKE_SOURCE_DIR}/docs/makeEditors \${prefix}/share/haff/editors
+                    RESULT_VARIABLE bad)
+    if(bad)
+      message(WARNING \"the keywords for editors could not be written, see above\")
+    endif()" COMPONENT programs)
 endif()
 # Completion for bash; its loader looks for a file of the command's name.
 list(JOIN PROGRAMS " " programs)
