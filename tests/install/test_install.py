@@ -170,6 +170,13 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
         self.assertEqual(offered("granularGas", "-case", "cases/"), {"cases/tube"})
         self.assertEqual(offered("granularGas", "-case", "cases/tube/"), set())
 
+    def test_editors(self):
+        """What docs/makeEditors writes from the programs of the build."""
+        call("/usr/bin/python3", "-B", os.path.join(harness.SOURCE, "docs", "makeEditors"), "made", cwd=self.folder, HAFF_BIN=harness.BIN)
+        made = outside.texts(os.path.join(self.folder, "made"))
+        self.assertLess({"vim/syntax/haff.vim", "vscode/package.json"}, set(made))
+        self.assertEqual(made, outside.texts(os.path.join(self.prefix, "share/haff/editors")))
+
     def test_documents(self):
         """README, licence and every page of docs; a link of a page to another one holds."""
         folder = os.path.join(self.prefix, "share/doc/haff")

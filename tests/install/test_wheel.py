@@ -56,6 +56,7 @@ class Wheel(harness.Folder, unittest.TestCase):
         licences = {os.path.basename(path) for path in glob.glob(os.path.join(self.venv, "lib/python3*/site-packages/haff-*.dist-info/licenses/*"))}
         self.assertTrue(any("openmpi" in name for name in licences) and any("p4est" in name for name in licences), licences)
         self.assertEqual([], outside.traces(home))
+        self.assertTrue(os.path.exists(os.path.join(self.venv, "share/haff/editors/vscode/package.json")))
 
     def test_runs(self):
         """From nothing to pictures and a report: a gas on one rank and on two, with the same bits, and grains."""
