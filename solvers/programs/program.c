@@ -106,9 +106,9 @@ static status take_value(const char *name, const char *value, struct options *ou
     return OK;
 }
 
-status options_read(int argc, char **argv, struct options *out) {
-    static const char *const names[] = {"-case", "-np",         "-ensemble", "-dry-run", "-strict",  "-debug",
-                                        "-help", "-listModels", "-listBCs",  "-version", "-keywords"};
+status options_read(int argc, char **argv, bool seeds, struct options *out) {
+    static const char *const names[] = {"-ensemble", "-case",       "-np",      "-dry-run", "-strict",  "-debug",
+                                        "-help",     "-listModels", "-listBCs", "-version", "-keywords"};
     *out = (struct options){.dir = "."};
     bool *const flags[] = {&out->dry_run,     &out->strict,          &out->debug,  &out->help,
                            &out->list_models, &out->list_boundaries, &out->version};
@@ -122,7 +122,7 @@ status options_read(int argc, char **argv, struct options *out) {
             continue;
         }
         while (k < NAMES && strcmp(word, names[k])) k++;
-        if (k == NAMES) return option_unknown(argv[i], names, NAMES + 1);
+        if (k == NAMES) return option_unknown(argv[i], names + !seeds, NAMES + seeds);
         if (k >= VALUES) {
             *flags[k - VALUES] = true;
             continue;

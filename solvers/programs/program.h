@@ -31,8 +31,8 @@ void program_version(const char *argv0);
 /* Fails if the folder is not there. */
 status case_folder(const char *dir);
 
-/* Reads the options of a solver. */
-status options_read(int argc, char **argv, struct options *out);
+/* Reads the options of a solver; the error for an unknown one lists -ensemble only if runs have seeds. */
+status options_read(int argc, char **argv, bool seeds, struct options *out);
 /* Replaces this process by mpirun -np N of the same program and options, for -np N; returns only if that failed. */
 status options_relaunch(int argc, char **argv, const struct options *o);
 /* Replaces this process by `haff ensemble`, for -ensemble N; returns only if that failed. */

@@ -15,7 +15,7 @@ static void go_through(struct keywords *k, const void *type) {
 int solver_main(int argc, char **argv, const struct medium_type *type) {
     struct options o;
     struct comm *c = NULL;
-    status s = options_read(argc, argv, &o);
+    status s = options_read(argc, argv, type->seeds, &o);
     if (s) return program_end(NULL, s, false);
     if (o.keywords.asked) return program_end(NULL, lookup_print(&o.keywords, go_through, type), o.debug);
     if (o.help || o.list_models || o.list_boundaries || o.version) {
