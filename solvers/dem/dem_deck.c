@@ -143,12 +143,24 @@ static void write_deck(FILE *f, const struct dem_law *law, const char *data, con
             w->open ? "ignore" : "error");
 }
 
+/* Does LAMMPS take a path between quotation marks as it stands? In names of files * is the step and % a rank. It drops
+ * or replaces bytes beyond ASCII before it reads a line. */
+static bool lammps_opens(const char *path) {
+    for (const char *p = path; *p; p++)
+        if (*p < ' ' || *p > '~' || strchr("\"*%", *p)) return false;
+    return true;
+}
+
 status dem_deck(const struct dem_law *law, const char *data, const char *restart, char **out) {
     size_t size;
     const char *path = restart ? restart : data;
     *out = NULL;
-    if (strpbrk(path, "\"\n"))
-        return fail(ERR_INPUT, "%s: LAMMPS cannot open a path with a quotation mark in it; rename the folder", path);
+    if (!lammps_opens(path))
+        return fail(
+            ERR_INPUT,
+            "%s: LAMMPS cannot open a path with \" * %% or letters beyond ASCII in it; start granularDEM in the folder "
+            "of the case, or rename the folder",
+            path);
     FILE *f = open_memstream(out, &size);
     if (!f) return fail(ERR_SYSTEM, "no memory for the commands of LAMMPS");
     write_deck(f, law, data, restart);

@@ -253,7 +253,7 @@ static void evaluate_portion(const struct expr *e, const struct portion *p, stru
             top -= 2, choose(n, top, top + 1, top + 2);
             break;
         }
-        known += known && calls_library(s) ? KNOWN : 0;
+        if (known && calls_library(s)) known += KNOWN;
     }
     spread_out(top, n);
     memcpy(out, top->v, (size_t)n * sizeof *out);

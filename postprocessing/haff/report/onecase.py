@@ -112,7 +112,7 @@ class Report:
 
     def models(self):
         case = self.case
-        patches = [[ESCAPE(name), kind, f"{count:,}"] for name, (kind, _, count) in case.mesh.patches.items()]
+        patches = [[ESCAPE(name), ESCAPE(kind), f"{count:,}"] for name, (kind, _, count) in case.mesh.patches.items()]
         mesh = [("cells", f"{case.mesh.cells:,}"), *(("kind", line) for line in self.facts.mesh() if line.startswith(("polyhedral", "lattice")))]
         shown = tag("h3", "Models") + rows(self.facts.short()) + tag("h3", "Mesh") + rows(mesh)
         shown += table(["patch", "type", "faces"], patches, "Patches of the mesh")

@@ -77,7 +77,7 @@ class Page:
     def data(self):
         """What page.js shows, as JSON that cannot end its element."""
         told = {"times": self.times, "unit": self.unit, "films": self.films, "charts": self.charts, "every": self.every}
-        return json.dumps(told, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace("</", "<\\/").replace("<!--", "<\\!--")
+        return json.dumps(told, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace("<", r"\u003c")
 
     def foot(self):
         now = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
@@ -105,6 +105,6 @@ def inlined(name):
 
 
 def write(page, path):
-    """Writes the page, under a temporary name first: a browser never sees half of it."""
-    with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as f:
+    """Writes the page, under a temporary name first: a browser never sees half of it. A byte of a name that is no UTF-8 reads \\udcff."""
+    with replacing(path) as temporary, open(temporary, "w", encoding="utf-8", errors="backslashreplace") as f:
         f.write(page.html())

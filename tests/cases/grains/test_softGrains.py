@@ -4,6 +4,7 @@ bit, joints of walls, fields against grains and contacts, errors. Without lmp al
 import os
 import re
 import shutil
+import subprocess
 import unittest
 
 import numpy as np
@@ -375,6 +376,21 @@ class Errors(harness.Folder, unittest.TestCase):
         done = harness.program("granularDEM", "-case", case, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, "grains 1 and 2 overlap by 0.5 diameters at the start")
+
+    @unittest.skipUnless(LAMMPS, MISSING)
+    def test_paths(self):
+        """A path is no command of LAMMPS: it opens the file of that name, or the run is refused before it begins."""
+        case = make(os.path.join(self.folder, "a b$x ${y} $(1) #&'"), VISCOUS + "impactSpeed 1;", positions=[(4e-3, 4e-3, 4e-3)], U=[(0.1, 0, 0)], end=1e-4, interval=1e-4)
+        solve(case)
+        self.assertTrue(os.path.isfile(os.path.join(case, "0.0001", "uniform", "lammps")))
+        shutil.rmtree(os.path.join(case, "0.0001"))
+        for sign in ('"', "\n", "%", "*", "\u201c", "\u00e9"):
+            before, case = case, os.path.join(self.folder, f"x{sign} shell touch found")
+            os.rename(before, case)
+            done = harness.program("granularDEM", "-case", case, check=False)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertRegex(done.stderr, r"LAMMPS cannot open a path with .* start granularDEM in the folder of the case, or rename the folder")
+        subprocess.run([os.path.join(harness.BIN, "granularDEM")], cwd=case, check=True, capture_output=True)
 
     def test_missing(self):
         """Without lmp a case can be checked, with a warning; a run says which package is missing."""

@@ -2,10 +2,12 @@
 """haff report: one file that needs no other, what it tells of gas, grains, sweeps and two cases, and what it says where there is nothing to tell."""
 import contextlib
 import fcntl
+import html.parser
 import io
 import json
 import os
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -44,6 +46,18 @@ def data(text):
     return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S).group(1))
 
 
+class Elements(html.parser.HTMLParser):
+    """The elements of a page: their names, and all attributes as (name, value)."""
+
+    def __init__(self):
+        super().__init__()
+        self.names, self.attributes = [], []
+
+    def handle_starttag(self, name, attributes):
+        self.names.append(name)
+        self.attributes += attributes
+
+
 class Reports(harness.Folder, unittest.TestCase):
     def place(self):
         return os.path.join(self.folder, self._testMethodName)
@@ -76,6 +90,27 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertEqual((force["data"], force["x"], force["y"]), ([[0, 0.5, 1, 2], [0, 1, 2, 3], [0, 2, 4, 6]], "t (s)", "force (kg m s⁻²)"))
         for chart in shown["charts"]:
             self.assertTrue(chart["x"] and chart["y"] and chart["about"], chart["title"])
+
+    def test_names_are_no_html(self):
+        """Whatever names and texts a case has, the page has its own elements alone, and data that page.js can read."""
+        bad = '"><img src=x onerror=alert(1)><!--<script>alert(1)<|script>'
+        path = made.gas(self.place() + bad, (6, 4, 1), times=("0", "1"))
+        mesh, text = os.path.join(path, "constant", "polyMesh", "boundary"), bad.replace("|", "/")
+        made.write(mesh, read(mesh).replace("type patch;", f"type {text};"))
+        for name in (bad, os.fsdecode(b"\xff")):
+            shutil.copy(os.path.join(path, "1", "T"), os.path.join(path, "1", name))
+        made.write(os.path.join(path, "README.md"), f"# {text}\n")
+        made.write(os.path.join(path, "log.granularGas"), made.LOG.replace("made up", text).replace("TorquatoDisks", text))
+        made.write(os.path.join(path, "1", "uniform", "provenance"), made.PROVENANCE.replace("made", text.replace('"', "'")))
+        made.write(os.path.join(path, "postProcessing", bad, "0", bad + ".dat"), f"# Time\t{text}\n0\t1\n1\t2\n")
+        shown = self.page(path)
+        found = Elements()
+        found.feed(shown)
+        self.assertEqual(found.names.count("script"), 3)
+        self.assertEqual([said for said in found.attributes if said[0].startswith("on") or said == ("src", "x")], [])
+        self.assertIn(text, "".join(c["title"] + str(c["series"]) for c in data(shown)["charts"]))
+        self.assertNotIn("<", shown.split('id="data">')[1].split("</script>")[0])
+        self.assertIn("\\udcff", shown)
 
     def test_damaged_file(self):
         """A field that was cut in the middle, and one that is empty, are named on the page and in the terminal, with the cure."""
