@@ -19,6 +19,9 @@ SKIP = rb"(?:\s|//[^\n]*\n|/\*.*?\*/)*"
 LIST = re.compile(SKIP + rb"(\d+)" + SKIP + rb"([({])", re.S)
 FIRST_LIST = re.compile(rb"\n\s*\d+\s*\(")
 HEADER_WITHIN = 1 << 16  # bytes
+MEMORY = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")  # bytes of this machine
+UNZIPPED, RATIO, PIECE = 1 << 30, 100, 1 << 24  # what unzips to more than UNZIPPED bytes may not grow by more than RATIO, as for the solvers
+MOST_ENTRIES = (1 << 31) - 1  # of a list
 MOVED = 1 << 26  # bytes: longer lists move in place
 WORD = re.compile(SKIP + rb'("[^"]*"|[{};]|[^\s{};"]+)', re.S)
 BLANKS = bytes.maketrans(b"()[]{};", b"       ")
@@ -60,12 +63,13 @@ def read_buffer(path):
 
     The content of the first list begins at a multiple of 8 bytes, so that its numbers need not be moved."""
     path = located(path)
+    if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
+        raise FormatError(f"{path}: is no file but a pipe or a device; put the file there, or a link to it")
     with open(path, "rb") as f:
         if path.endswith(".gz"):
-            try:
-                return gzip.decompress(f.read())
-            except (OSError, EOFError, zlib.error) as e:
-                raise FormatError(f"{path}: it cannot be unzipped ({e})") from None
+            return unzipped(f, path)
+        if os.fstat(f.fileno()).st_size > MEMORY:
+            raise too_large(path)
         head = f.read(HEADER_WITHIN)
         first = FIRST_LIST.search(head)
         room = np.empty(os.fstat(f.fileno()).st_size + 8, np.uint8)
@@ -73,6 +77,31 @@ def read_buffer(path):
         f.seek(0)
         data = memoryview(room)[off:len(room) - 8 + off]
         return data[:f.readinto(data)]
+
+
+def readable(text):
+    """Bytes of a file as a text; what is no UTF-8 becomes a sign that stands for that."""
+    return text.decode(errors="replace")
+
+
+def too_large(path):
+    return FormatError(f"{path}: it holds more than {MEMORY / 2**30:.3g} GiB, the memory of this machine; is it the right file?")
+
+
+def unzipped(f, path):
+    """The content of an open .gz in pieces, so that one that unzips without end is refused before it fills the memory."""
+    size, found = os.fstat(f.fileno()).st_size, bytearray()
+    try:
+        with gzip.GzipFile(fileobj=f) as packed:
+            while piece := packed.read(PIECE):
+                found += piece
+                if len(found) > UNZIPPED and len(found) > RATIO * size:
+                    raise FormatError(f"{path}: unzips to more than {RATIO} times its size; if that is meant, gunzip it")
+                if len(found) > MEMORY:
+                    raise too_large(path)
+    except (OSError, EOFError, zlib.error) as e:
+        raise FormatError(f"{path}: it cannot be unzipped ({e})") from None
+    return memoryview(found)
 
 
 class FoamFile:
@@ -88,7 +117,7 @@ class FoamFile:
         header = re.search(rb"FoamFile\s*\{(.*?)\}", self.data[:HEADER_WITHIN], re.S)
         if not header:
             raise FormatError(f"{path}: no FoamFile header")
-        self.header = {k.decode(): v.decode().strip('" ') for k, v in
+        self.header = {readable(k): readable(v).strip('" ') for k, v in
                        re.findall(rb"(\w+)\s+(\"[^\"]*\"|[^;]*);", header.group(1))}
         self.binary = self.header.get("format") == "binary"
         arch = self.header.get("arch", "LSB;label=32;scalar=64")
@@ -107,10 +136,15 @@ class FoamFile:
         if not head:
             raise FormatError(f"{self.path}: no list where one should begin")
         count, at = int(head.group(1)), head.end()
+        if count > MOST_ENTRIES:
+            raise FormatError(f"{self.path}: a list of {count} entries; at most {MOST_ENTRIES} are read")
         shape = (count, components) if components > 1 else (count,)
         if head.group(2) == b"{":
             end = self.find(b"}", at)
-            return np.tile(np.array(words(self.part(at, end)), float).astype(kind), count).reshape(shape), end + 1
+            row = text_numbers(self.part(at, end), kind, self.path)
+            if row.size != components:
+                raise FormatError(f"{self.path}: {row.size} numbers in a list {count}{{..}} of {components}")
+            return np.broadcast_to(row if components > 1 else row[0], shape), end + 1  # needs no memory, whatever the count
         if self.binary:
             end = at + count * components * kind.itemsize
             if len(self.view) <= end or self.view[end:end + 1] != b")":
@@ -167,7 +201,7 @@ def read_head(path):
 def class_of(path):
     """The class in the header of a file; "" where there is none."""
     found = re.search(rb"FoamFile\s*\{[^}]*\bclass\s+(\w+)\s*;", read_head(path))
-    return found.group(1).decode() if found else ""
+    return readable(found.group(1)) if found else ""
 
 
 def exponents(path):
@@ -175,17 +209,12 @@ def exponents(path):
     found = re.search(rb"\bdimensions\s*\[([^\]]*)\]", read_head(path))
     if not found:
         raise FormatError(f"{path}: no dimensions")
-    powers = [float(w) for w in found.group(1).split()]
+    powers = text_numbers(found.group(1), float, path).tolist()
     return powers + [0.0] * (BASE_UNITS - len(powers))
 
 
 def without_comments(text):
     return re.sub(rb"/\*.*?\*/|//[^\n]*", b" ", text, flags=re.S) if b"/" in text else text
-
-
-def words(text):
-    """Numbers as byte strings; brackets are blanks."""
-    return without_comments(text).translate(BLANKS).split()
 
 
 def text_numbers(text, kind, path):
@@ -224,7 +253,7 @@ class Field:
         f, end = self.file, self.entry.end()
         if self.entry.group(1) == b"uniform":
             close = f.find(b";", end)
-            return np.array(words(f.part(end, close)), float), close
+            return text_numbers(f.part(end, close), float, self.path), close
         return f.numbers(end, self.components, f.scalar)
 
     @property
@@ -249,7 +278,7 @@ class Field:
             return np.tile(values, (count, 1)) if self.components > 1 else np.full(count, values[0])
         if len(values) != count:
             raise FormatError(f"{self.path}: {len(values)} values on {'a mesh of ' if things == 'cells' else ''}{count} {things}")
-        return values.astype(float, copy=False)
+        return values.astype(float, copy=not values.flags.writeable)
 
     def patches(self):
         """{name as written: Patch}, in the order of the file."""
@@ -264,9 +293,9 @@ class Field:
                 return found
             brace, at = self.word(at)
             if brace != b"{":
-                raise FormatError(f"{self.path}: a dictionary is missing behind '{name.decode()}' in boundaryField")
+                raise FormatError(f"{self.path}: a dictionary is missing behind '{readable(name)}' in boundaryField")
             patch, at = self.patch(at)
-            found[name.decode()] = patch
+            found[readable(name)] = patch
 
     def word(self, at):
         """The word, quoted text, bracket or semicolon at a byte of the body, and the byte behind it."""
@@ -293,10 +322,10 @@ class Field:
                 if depth == 0 and key == b"value":
                     patch.value, patch.uniform = values, False
             elif depth == 0 and key == b"type" and before == b"type":
-                patch.type = word.decode()
+                patch.type = readable(word)
             elif depth == 0 and key == b"value" and word == b"uniform":
                 close = self.file.find(b";", end)
-                patch.value, patch.uniform, end = np.array(words(self.file.part(end, close)), float), True, close
+                patch.value, patch.uniform, end = text_numbers(self.file.part(end, close), float, self.path), True, close
             if before in (None, b";", b"{", b"}"):
                 key = word
             before, at = word, end

@@ -8,7 +8,7 @@ import os
 
 import numpy as np
 
-from haff.case.foam import FoamFile, FormatError, words
+from haff.case.foam import FoamFile, FormatError, text_numbers
 
 KINDS = {"vectorField": 3, "scalarField": 1, "labelField": 1}
 
@@ -22,9 +22,9 @@ def positions(path):
     f = FoamFile(path)
     if not f.header.get("class", "").startswith("Cloud"):
         raise FormatError(f"{path}: class {f.header.get('class')} is no cloud")
-    values = np.array(words(f.body), float)
-    if len(values) != 1 + 4 * int(values[0]):
-        raise FormatError(f"{path}: {len(values) - 1} numbers for {int(values[0])} grains; 4 each are expected")
+    values = text_numbers(f.body, float, path)
+    if not len(values) or len(values) != 1 + 4 * values[0]:
+        raise FormatError(f"{path}: {max(len(values) - 1, 0)} numbers for {values[0] if len(values) else 0:g} grains; 4 each are expected")
     rows = values[1:].reshape(-1, 4)
     return rows[:, :3], rows[:, 3].astype(int)
 

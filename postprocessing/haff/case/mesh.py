@@ -9,6 +9,7 @@ import numpy as np
 from haff.case import lattice
 from haff.case.foam import FoamFile, FormatError, LIST, text_numbers
 
+MOST_EQUAL = 1000000  # entries of a list N{..}
 CHUNK = 1 << 16  # faces whose geometry is in memory at once
 
 
@@ -22,7 +23,7 @@ class Mesh:
     def __init__(self, folder):
         self.folder = folder
         self.patches = {}
-        text = FoamFile(self._path("boundary")).body.decode()
+        text = FoamFile(self._path("boundary")).body.decode(errors="replace")
         for name, entries in re.findall(r"(\S+)\s*\{(.*?)\}", text, re.S):
             value = dict(re.findall(r"(\w+)\s+([^;]*);", entries))
             try:
@@ -40,14 +41,22 @@ class Mesh:
     def _labels(self, name):
         f = FoamFile(self._path(name))
         found = f.numbers(0, 1, f.label)[0]
+        self._many(name, found)
         if len(found) and found.min() < 0:
             raise self.wrong(name, f"entry {int(found.argmin())} is {found.min()}, and cells are counted from 0")
         return found
 
+    def _many(self, name, found):
+        """Refuses a long N{..}, for whose entries there need not be memory."""
+        if len(found) > MOST_EQUAL and not found.flags.writeable:
+            raise self.wrong(name, f"all of {len(found)} entries are the same")
+
     @functools.cached_property
     def points(self):
         f = FoamFile(self._path("points"))
-        found = f.numbers(0, 3, f.scalar)[0].astype(float, copy=False)
+        found = f.numbers(0, 3, f.scalar)[0]
+        self._many("points", found)
+        found = found.astype(float, copy=False)
         if not np.isfinite(found).all():
             raise self.wrong("points", f"point {int(np.flatnonzero(~np.isfinite(found).all(axis=1))[0])} is no number")
         return found
@@ -69,7 +78,10 @@ class Mesh:
 
     @functools.cached_property
     def cells(self):
-        return int(max(self.owner.max(initial=-1), self.neighbour.max(initial=-1))) + 1
+        found = int(max(self.owner.max(initial=-1), self.neighbour.max(initial=-1))) + 1
+        if found > len(self.owner) + len(self.neighbour):
+            raise self.wrong("owner", f"the largest cell of owner and neighbour is {found - 1}, and {len(self.owner)} faces do not enclose so many")
+        return found
 
     @functools.cached_property
     def _faces(self):
@@ -99,7 +111,7 @@ class Mesh:
     def read_faces(path):
         """face_start [faces + 1] and face_points."""
         f = FoamFile(path)
-        if f.header["class"] == "faceCompactList":
+        if f.header.get("class") == "faceCompactList":
             start, end = f.numbers(0, 1, f.label)
             return start, f.numbers(end, 1, f.label)[0]
         head = LIST.match(f.view)
@@ -166,6 +178,8 @@ def first_words(flat, faces, path):
     width = int(flat[0]) + 1 if len(flat) else 1
     if len(flat) == faces * width and (flat[::width] == width - 1).all():
         return np.arange(0, len(flat), width)
+    if faces > len(flat):
+        raise FormatError(f"{path}: {len(flat)} numbers for {faces} faces")
     at, found = 0, np.empty(faces, int)
     for i in range(faces):
         if at >= len(flat):

@@ -61,7 +61,7 @@ class Start:
 
     def __init__(self, path):
         self.path, self.rows, self.titles, self.probes = path, [], [], 0
-        with open(path) as f:
+        with open(path, errors="replace") as f:
             for line in f:
                 if line.startswith("#"):
                     self.comment(line[1:])

@@ -17,7 +17,7 @@ def read(path):
     for folder in (path, os.path.dirname(os.path.abspath(path))):
         file = os.path.join(folder, "system", "units")
         if os.path.isfile(file):
-            with open(file) as f:
+            with open(file, errors="replace") as f:
                 text = re.sub(r"FoamFile\s*\{.*?\}|//[^\n]*|/\*.*?\*/", " ", f.read(), flags=re.S)
             found = {k: v.strip().strip('"') for k, v in re.findall(r"(\w+)\s+(\"[^\"]*\"|[^;]*);", text)}
             wrong = sorted(found.keys() - SI.keys())

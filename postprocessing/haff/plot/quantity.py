@@ -14,7 +14,7 @@ import zlib
 
 import numpy as np
 
-from haff.case.foam import FormatError
+from haff.case.foam import FormatError, text_numbers
 from haff.plot import labels
 
 MAIN = (("alpha", "rho"), ("U",), ("T",), ("p",))  # shown by default: the first of each group that the case has
@@ -93,7 +93,7 @@ def fields(case, time):
         kind = re.search(r"class\s+vol(\w+?)Field\b", text)
         if kind and kind.group(1) in KINDS:
             powers = re.search(r"\bdimensions\s*\[([^\]]*)\]", text)
-            exponents = [float(w) for w in powers.group(1).split()[:3]] if powers else []
+            exponents = text_numbers(powers.group(1).encode("latin-1"), float, path)[:3].tolist() if powers else []
             found[file.removesuffix(".gz")] = (KINDS[kind.group(1)], tuple(exponents + [0.0] * (3 - len(exponents))))
     return found
 

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from haff.case.foam import times_in
+from haff.case.foam import FormatError, text_numbers, times_in
 from haff.plot import figures, quantity
 from haff.plot.quantity import CannotDraw
 from haff.report.charts import numbers
@@ -22,9 +22,11 @@ def axis_of(space):
         return space.column
     if not space.lattice:
         return None
-    words = quantity.head(os.path.join(space.case.path, "constant", "g"))
-    found = re.search(r"\bvalue\s*\(([^)]*)\)", words)
-    g = np.array([float(w) for w in found.group(1).split()]) if found else np.zeros(3)
+    path = os.path.join(space.case.path, "constant", "g")
+    found = re.search(r"\bvalue\s*\(([^)]*)\)", quantity.head(path))
+    g = text_numbers(found.group(1).encode("latin-1"), float, path) if found else np.zeros(3)
+    if len(g) != 3:
+        raise FormatError(f"{path}: the value has {len(g)} numbers; give 3")
     along = [k for k in space.axes if g[k]]
     if len(along) == 1:
         return along[0]
