@@ -22,6 +22,9 @@ struct error {
     } way[TRAIL];
 };
 
+/* The error of a machine without memory for one. Others, of other threads too, may hold it: nothing changes it. */
+static struct error no_memory = {.kind = ERR_SYSTEM, .text = "out of memory"};
+
 /* Replaces control characters by blanks: messages quote files, and what a file holds must not steer the terminal. */
 static void make_printable(char *text) {
     for (char *c = text; *c; c++)
@@ -29,7 +32,6 @@ static void make_printable(char *text) {
 }
 
 status fail(enum status_kind kind, const char *format, ...) {
-    static struct error no_memory = {.kind = ERR_SYSTEM, .text = "out of memory"};
     struct error *e = calloc(1, sizeof *e);
     if (!e) return &no_memory;
     e->kind = kind;
@@ -42,7 +44,7 @@ status fail(enum status_kind kind, const char *format, ...) {
 }
 
 status status_note(status s, const char *format, ...) {
-    if (!s) return s;
+    if (!s || s == &no_memory) return s;
     char text[TEXT], note[TEXT / 2];
     va_list args;
     va_start(args, format);
@@ -55,7 +57,7 @@ status status_note(status s, const char *format, ...) {
 }
 
 status status_up(status s, const char *file, int line) {
-    if (s && s->depth < TRAIL) {
+    if (s && s != &no_memory && s->depth < TRAIL) {
         s->way[s->depth].file = file;
         s->way[s->depth++].line = line;
     }
@@ -77,7 +79,7 @@ int status_print(status s, bool trail) {
 }
 
 void status_free(status s) {
-    if (s && strcmp(s->text, "out of memory") != 0) free(s);
+    if (s != &no_memory) free(s);
 }
 
 status allocate(void *out, long count, long size, const char *what) {

@@ -547,6 +547,14 @@ static status arrive(struct output *o) {
     return OK;
 }
 
+/* Returns the error of the time before, which is on its way to the disk, rather than e; that one if it arrives. */
+static status fail_first(struct output *o, status e) {
+    const status before = comm_root(o->setup->comm) ? arrive(o) : OK;
+    if (!before) return e;
+    status_free(e);
+    return before;
+}
+
 bool output_fails(struct output *o) {
     const struct commit *c = &o->commit;
     if (!c->thread || !background_ended(c->thread)) return false;
@@ -588,7 +596,7 @@ status output_write(struct output *o, double t, long step, double delta_t, char 
     o->precision = digits;
     TRY(comm_agree(s->comm, comm_root(s->comm) ? make_way(o, at.name) : OK));
     status e = write_all(o, &at, folder);
-    if (e) return fail_writing(o, folder, at.name, e);
+    if (e) return fail_first(o, fail_writing(o, folder, at.name, e));
     TRY(comm_agree(s->comm, comm_root(s->comm) ? hand_over(o, &at, folder) : OK));
     o->last_time = t;
     memcpy(written, at.name, TIME_NAME);
