@@ -170,6 +170,17 @@ class SlowDisk(harness.Folder, unittest.TestCase):
             self.assertEqual(runs.times(case)[-1], "0.0006")
 
 
+    def test_two_times_fail(self):
+        """Of a time on its way to the disk and the one behind it, which both fail, the first is told."""
+        case = faults.make(self.folder, "moved", steps=3)
+        slow = {"LD_PRELOAD": os.path.join(harness.BIN, "faultydisk.so"), "HAFF_FAULT": "slow:1500", "HAFF_FAULT_FOLDER": case}
+        going, _ = faults.start(case, 2, "Time =", (GAS,), env={**os.environ, **slow})
+        os.rename(case, case + ".away")
+        said = going.communicate(timeout=60)[1]
+        self.assertNotEqual(going.returncode, 0)
+        self.assertRegex(said, "error: while writing time 0.0002; earlier times are intact")
+
+
 class Checksums(harness.Folder, unittest.TestCase):
     FORMS = {"ascii": {"format": "ascii", "digits": 6}, "binary": {}, "zipped": {"compression": "on"},
              "zipped ascii": {"format": "ascii", "digits": 6, "compression": "on"}}
