@@ -23,7 +23,7 @@ struct error {
 };
 
 /* The error of a machine without memory for one. Others, of other threads too, may hold it: nothing changes it. */
-static struct error no_memory = {.kind = ERR_SYSTEM, .text = "out of memory"};
+static const struct error no_memory = {.kind = ERR_SYSTEM, .text = "out of memory"};
 
 /* Replaces control characters by blanks: messages quote files, and what a file holds must not steer the terminal. */
 static void make_printable(char *text) {
@@ -33,7 +33,7 @@ static void make_printable(char *text) {
 
 status fail(enum status_kind kind, const char *format, ...) {
     struct error *e = calloc(1, sizeof *e);
-    if (!e) return &no_memory;
+    if (!e) return (status)&no_memory;
     e->kind = kind;
     va_list args;
     va_start(args, format);
