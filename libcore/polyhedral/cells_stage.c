@@ -114,27 +114,6 @@ static void flatten_packed(const struct gas *g, const struct points *p, const do
             for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
 }
 
-static double square_of(const struct gas *g, const double (*m)[BATCH], int i) {
-    double sum = 0;
-    for (int k = 1; k <= g->components; k++) sum += m[k][i] * m[k][i];
-    return sum;
-}
-
-/* Packed gas with friction has eps of its averages at its faces. Its shear is steep, and polynomials of m and E leave
- * the pressure of a cell undetermined by rho Gamma du^2/2, du the change of the velocity along a face from cell to
- * cell: friction then drives gas, and heats it, against a pressure that no face sees. */
-static void even_heat(const struct gas *g, const struct points *p, const double *rho, const double (*average)[BATCH],
-                      double (*at)[BATCH]) {
-    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const double from = g->models.friction_params.alpha_friction / packing_per_density(&g->models.material);
-    const int E = energy_at(g);
-    for (int i = 0; i < p->n; i++)
-        if (larger(rho[f->left[p->face[i]]], rho[f->right[p->face[i]]]) > from) {
-            const double eps = (average[E][i] - 0.5 * square_of(g, average, i) / average[0][i]) / average[0][i];
-            at[E][i] = at[0][i] * eps + 0.5 * square_of(g, (const double(*)[BATCH])at, i) / at[0][i];
-        }
-}
-
 /* The states of the polynomials on one side of points from <= i < from + n. */
 static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
     const struct cells *c = g->cells;
@@ -148,7 +127,6 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     }
     fit_points(c->fit, side, from, p->n, U, out);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
-    if (gas_rubs(&g->models)) even_heat(g, p, U[0], (const double(*)[BATCH])average, at);
     if (c->rest) cells_rest_add(g, from, p->n, cell, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
