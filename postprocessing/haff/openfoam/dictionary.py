@@ -264,10 +264,9 @@ def parse(text, place):
 
 def read_field(path, case=None):
     """The same of a field; lists: arrays [n] or [n][components]."""
-    try:
-        file = foam.FoamFile(path)
-    except UnicodeDecodeError:
-        raise FormatError(f"{path}: its header is no text") from None
+    file = foam.FoamFile(path)
+    if not file.header.get("class", "").isascii():
+        raise FormatError(f"{path}: its header is no text")
     head = bytes(file.data[:len(file.data) - len(file.view)])
     vector = "Vector" in file.header.get("class", "")
     parts, lists, at = [b"\n" * head.count(b"\n")], [], 0
