@@ -275,7 +275,8 @@ struct bed_rates dense_rates(struct gas *g, double plain);
 /* Finds the first cell that has the rate which forbids an implicit step, d->bound.rate. Collective. */
 void dense_seek(struct gas *g, double place[3]);
 /* Begins a new list, after the engine has listed the blocks of bed.home: makes memory for that number of rows of cells
- * with so many sides, and forgets the numbers of cells. s: an error that this rank has met before. Collective. */
+ * with that number of sides, and forgets the numbers of cells. s: an error that this rank has met before. Collective.
+ */
 status dense_list(struct gas *g, status s, long rows, int sides);
 /* Copy the states of the bed's cells from a state, or to it; dense_put returns the number of those not admissible. */
 void dense_take(struct gas *g, const struct state *from);

@@ -81,9 +81,9 @@ void turn_gain(const struct gas *g, const struct turn_row *r);
 void turn_heat(const struct gas *g, int n, const double *turn, const double *face, const double *S, double *out);
 /* That of the gradient of rho; cross: the line of the faces below them along axis 0. */
 void turn_cross(const struct gas *g, int n, const double *turn, const double *cross, double *out);
-/* The ratio of radii of a side and its cells, 1 where the mesh or the side has none: of the area of a cell's face to its
- * volume over h, and by which swirl grows from there to the wall if gas rotates as a rigid body: that is edge_turn, 1
- * where the edge has no such swirl, and 0 on the axis. */
+/* The ratio of radii of a side and its cells, 1 where the mesh or the side has none: of the area of a cell's face to
+ * its volume over h, and by which swirl grows from there to the wall if gas rotates as a rigid body: that is edge_turn,
+ * 1 where the edge has no such swirl, and 0 on the axis. */
 double edge_widens(const struct gas *g, int tile, const struct edge *e);
 double edge_turn(const struct gas *g, int tile, const struct edge *e);
 /* The ratio of radii of the side and its ghosts. */

@@ -31,6 +31,14 @@ def program(name, *arguments, ranks=1, check=True, timeout=900):
     return done
 
 
+def refused(test, case, place, cure):
+    """granularGas says no to the case: a place FILE:LINE as a pattern, and the cure."""
+    done = program("granularGas", "-case", case, check=False)
+    test.assertEqual(done.returncode, 1)
+    test.assertRegex(done.stderr, place)
+    test.assertIn(cure, done.stderr)
+
+
 PEAK = "import os, resource, subprocess, sys; subprocess.run(sys.argv[2:], stdout=subprocess.DEVNULL, check=True); " \
        "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=open(f'{sys.argv[1]}/{os.getpid()}', 'w'))"
 

@@ -152,7 +152,7 @@ def kills(folder, count, seed=1):
 
 
 def at_each_call(folder, kind, done, every=1, seed=1, codes=(0, 3)):
-    """The fault in place of each call (or of every n-th) that changes a file, of a run that writes new times over old ones."""
+    """The fault replaces each call (or every n-th) that changes a file, of a run that writes new times over old ones."""
     chance = random.Random(seed)
     outcome = Outcome(done)
     straight = straight_run(folder, kind, steps=3)

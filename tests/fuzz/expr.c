@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { POINTS = 1100, KINDS = 8 }; /* so many points that values are kept by argument */
+enum { POINTS = 1100, KINDS = 8 }; /* enough points for values to be kept by argument */
 
 /* An expression has the same bits at a point, alone or among many. */
 static void try_many(const struct expr *e) {

@@ -80,7 +80,7 @@ class Mesh:
     def cells(self):
         found = int(max(self.owner.max(initial=-1), self.neighbour.max(initial=-1))) + 1
         if found > len(self.owner) + len(self.neighbour):
-            raise self.wrong("owner", f"the largest cell of owner and neighbour is {found - 1}, and {len(self.owner)} faces do not enclose so many")
+            raise self.wrong("owner", f"the largest cell of owner and neighbour is {found - 1}, and {len(self.owner)} faces do not enclose that many")
         return found
 
     @functools.cached_property

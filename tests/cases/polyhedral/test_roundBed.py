@@ -127,10 +127,7 @@ class RoundBed(harness.Folder, unittest.TestCase):
         rows.append((self.column("line", axis=0.0, n=(20, 1, 1), alpha="0.6"), "cells along the axis"))
         for case, cure in rows:
             with self.subTest(cure):
-                done = harness.program("granularGas", "-case", case, check=False)
-                self.assertEqual(done.returncode, 1)
-                self.assertRegex(done.stderr, r"meshDict:\d+: ")
-                self.assertIn(cure, done.stderr)
+                harness.refused(self, case, r"meshDict:\d+: ", cure)
 
 
 if __name__ == "__main__":

@@ -171,7 +171,7 @@ class SlowDisk(harness.Folder, unittest.TestCase):
 
 
     def test_two_times_fail(self):
-        """Of a time on its way to the disk and the one behind it, which both fail, the first is told."""
+        """Of a time on its way to the disk and the one behind it, which both fail, the error names the first."""
         case = faults.make(self.folder, "moved", steps=3)
         slow = {"LD_PRELOAD": os.path.join(harness.BIN, "faultydisk.so"), "HAFF_FAULT": "slow:1500", "HAFF_FAULT_FOLDER": case}
         going, _ = faults.start(case, 2, "Time =", (GAS,), env={**os.environ, **slow})
