@@ -566,6 +566,11 @@ static void find_state(const struct bed *b, const double gravity[MAX_DIM]) {
     bed_fill(b, 1, &r->share);
 }
 
+static void find_end(const struct bed *b) { /* the velocity V that friction leaves, and its gradients */
+    find_velocity(b, 1, b->rub->gain[b->rub->last]);
+    bed_find_gradients(b, b->rub->V);
+}
+
 status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool driven, bool *done) {
     struct bed_friction *r = b->rub;
     *done = true;
@@ -586,8 +591,7 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     *done = last >= 0;
     r->last = last;
     if (!*done) return OK;
-    find_velocity(b, 1, r->gain[last]);
-    bed_find_gradients(b, r->V);
+    find_end(b);
     if (driven || b->friction.params.heating > 0) bed_fill(b, b->components, r->gain[last]);
     if (driven) {
         find_held(b);
@@ -622,6 +626,7 @@ void bed_find_work(const struct bed *b, double *const *end) {
         if (missing > 0) work += trace[0] * trace[1] / missing;
         r->tensor[0][f] = b->set.shapes->area[v.shape] * v.depth / b->dim * work;
     }
+    find_end(b); /* for bed_move_stress */
 }
 
 double bed_warms(const struct bed *b, double dt, int i, double *const *end, double more) {

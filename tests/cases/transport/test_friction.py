@@ -265,6 +265,14 @@ class Friction(harness.Folder, unittest.TestCase):
     def test_triangles(self):
         self.ranks_and_restarts("triangles")
 
+    @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
+    def test_stress_beside_heating(self):
+        """The stress that the next step begins with is that of the velocity at the end of the step, whether friction heats or not."""
+        without, least = (solve(self.collapse(name, "triangles", end=0.01, friction=f"type muI; frictionalHeating {heats};"))[0]
+                          for name, heats in (("unheated", 0), ("hardlyHeated", 1e-12)))
+        U = without.field("U", "0.01")
+        np.testing.assert_allclose(least.field("U", "0.01"), U, rtol=0, atol=1e-7 * np.abs(U).max())
+
     def test_damaged_files(self):
         case = self.collapse("damaged", end=0.004, interval=0.002)
         solve(case)
