@@ -119,7 +119,7 @@ static void put_lines(const struct gas *g, bool own, struct block_lines l) {
 }
 
 void state_set(struct gas *g, bool own, const double *const U[MAX_VAR]) {
-    if (g->engine->state.unfold) g->engine->state.unfold(g, &g->U, true);
+    spans_unfold(g, &g->U, NULL);
     put_lines(g, own, (struct block_lines){.block = g->U.block, .n = g->nvar, .in = U});
 }
 

@@ -298,7 +298,7 @@ bool dense_rub(struct gas *g, double t, double dt, const struct state *to) {
     if (d->failed) return false;
     source_kick(&g->models.source, t, dt, d->kick);
     for (int k = 0; k < MAX_DIM; k++) d->kick[k] /= dt;
-    if (g->engine->bed.unfold) g->engine->bed.unfold(g, to, HUGE_VAL);
+    spans_unfold(g, to, d->holds);
     dense_take(g, to);
     dense_take_friction(g);
     d->failed = bed_rub_alone(&d->bed, dt, d->kick, &done);

@@ -116,13 +116,18 @@ static void find_lying(const struct gas *g, const struct row *row) {
     }
 }
 
-/* Marks the dense cells of a row. */
+/* Marks the dense cells of a row. A background that is dense becomes cells, which the rows behind it hold. */
 static void find_row(void *gas, const struct row *row) {
-    const struct gas *g = gas;
+    struct gas *g = gas;
     struct dense *d = g->dense;
     const double *rho = g->U.block[row->block] + row->at;
     double *part = d->part[row->block] + row->at;
     const double most = bed_largest(row->n, rho);
+    if (g->U.varied && row->at == 0) {
+        if (most > (d->bed.rub ? FILLS_LOW * g->limits.most : d->above))
+            g->engine->state.unfold(g, row->block, &g->U);
+        return;
+    }
     if (d->bed.rub && most > FILLS_LOW * g->limits.most) find_lying(g, row);
     if (!(most > d->above)) return;
     for (int i = 0; i < row->n; i++) part[i] = rho[i] > d->hard ? BED_HARD : rho[i] > d->above ? BED_DENSE : part[i];
@@ -136,8 +141,7 @@ bool dense_find(struct gas *g) {
         if (d->holds[b]) memset(d->part[b], 0, (size_t)g->size * sizeof(double));
         d->holds[b] = false;
     }
-    if (g->engine->bed.unfold) g->engine->bed.unfold(g, &g->U, d->bed.rub ? FILLS_LOW * g->limits.most : d->above);
-    g->engine->state.rows(g, VARIED_CELLS, &g->U, find_row, g);
+    g->engine->state.rows(g, KEPT_STATES, &g->U, find_row, g);
     for (int b = 0; b < d->blocks; b++) found += d->holds[b];
     comm_max(g->comm, &found, 1);
     return found > 0;
@@ -257,7 +261,7 @@ void dense_take(struct gas *g, const struct state *from) {
 long dense_put(struct gas *g, const struct state *to) {
     const struct dense *d = g->dense;
     long bad = 0;
-    if (g->engine->bed.unfold) g->engine->bed.unfold(g, to, HUGE_VAL);
+    spans_unfold(g, to, d->holds);
     copy(g, to, true);
     for (int r = 0; r < d->rows; r++)
         bad += row_inadmissible(g, to->block[d->row[r].block], d->row[r].at, d->row[r].n, NULL);
@@ -340,7 +344,7 @@ status dense_begin(struct gas *g, const struct state *from) {
     dense_take(g, &g->U);
     bed_note_start(&g->dense->bed);
     dense_take(g, from);
-    if (engine->unfold) {
+    if (g->U.varied) { /* stages leave frozen cells of V and W as they are; on polyhedra they write them */
         copy(g, &g->V, true);
         copy(g, &g->W, true);
     }

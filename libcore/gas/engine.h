@@ -14,12 +14,16 @@ enum { SLACK = 32 }; /* doubles behind every block: the last line is read in who
 struct span { /* the columns low <= i < high of a row of a tile */
     int low, high;
 };
+static inline struct span span_join(struct span a, struct span b) {
+    return (struct span){a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
+}
 /* The conserved variables of this rank's cells, in blocks: the tiles of a lattice, or one block for all polyhedra. A
  * tile has a background, the values that many of its cells share (libcore/lattice/tiles_activity.c), and a span for
  * each of its rows: the cells outside the span equal the background, and their memory is not kept up. */
 struct state {
     double **block;       /* [blocks] of [nvar][g->size]; offset 0 of a tile is no cell but the background */
     struct span **varied; /* [ntiles] of [nspans]; NULL on polyhedra */
+    int nspans;           /* of a tile: rows with ghosts */
     bool *narrow;         /* [ntiles] has the tile a background, and are its spans known to be as short as they can? */
     bool *calm;           /* [ntiles] are its spans known to be empty, so that it is its background alone? */
 };
@@ -66,13 +70,8 @@ struct state_hooks {
     status (*rest)(struct gas *g, const bool *rests);
     /* Calls visit(context, row) for the rows of s, in the same order on every call. */
     void (*rows)(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit, void *context);
-    /* Gives `to` the spans of `from`, whose rows were written to it. NULL: there are no spans. */
-    void (*keep_as)(const struct gas *g, const struct state *from, const struct state *to);
-    /* Gives both states the joined spans of both. NULL: there are no spans. */
-    void (*join)(const struct gas *g, const struct state *a, const struct state *b);
-    /* Makes the cells of backgrounds varied cells: of inadmissible ones, so that each cell is mended and counted by
-     * itself, or of all. NULL: there are no backgrounds. */
-    void (*unfold)(struct gas *g, const struct state *s, bool all);
+    /* Writes the background of a block out, so that all of its cells are varied ones. NULL: there are none. */
+    void (*unfold)(const struct gas *g, int block, const struct state *s);
     /* Fills the ghosts of n lines of blocks, not those beyond patches. */
     void (*fill)(const struct gas *g, int n, double *const *block);
     /* Computes the centre (m) of the cell at place `at` of a block. */
@@ -91,14 +90,12 @@ struct stage_hooks {
      * a step, before each attempt at it. speed: of U. Collective. */
     void (*fronts)(struct gas *g, const struct gas_speed *speed);
     /* Computes to = W + a (U0 - W), W = from + dt L(from), in all cells of this rank, L = -div F/V. Raises the flags of
-     * the cells to be limited (row_limited), and returns their number. */
+     * the cells to be limited (row_limited), and returns their number. `from` may hold inadmissible cells or NaN: the
+     * result is thrown away then. ending: of the last stage of a step, done block by block while a block is in the
+     * cache; NULL: there is none. */
     long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                  double dt);
-    /* Does the last stage of a step and the step's ending, block by block while a block is in the cache. Like stage, it
-     * may get inadmissible cells or NaN in `from`: the result is thrown away then. NULL: the parts of the step do the
-     * ending. */
-    long (*last_stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
-                       double a, double dt, struct ending *ending);
+                  double dt, struct ending *ending);
+    bool ends; /* does `stage` do endings? Else the parts of the step do them */
     /* Does the stage again where flags are near, with limited fluxes through the faces of flagged cells
      * (libcore/schemes/limit.h), and counts these faces in g->limits.faces. Flags the cells to be limited then. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
@@ -180,9 +177,6 @@ struct bed_hooks {
     void (*balance)(struct gas *g, const struct state *from);
     /* Adds `weight` times the fluxes of the last stage to those that are kept. */
     void (*keep)(struct gas *g, double weight);
-    /* Writes out to their cells the backgrounds of s that are denser than `above`, and those of blocks that hold cells
-     * of the bed. NULL: there are none, and stages write frozen cells; else they leave those of V and W as they are. */
-    void (*unfold)(struct gas *g, const struct state *s, double above);
     /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->floors.raised. */
     void (*spread)(struct gas *g, const double *per_block, double *raised);
 };

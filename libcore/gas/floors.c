@@ -86,7 +86,7 @@ static void floor_row(void *flooring, const struct row *row) {
 
 long floors_apply(struct gas *g, const struct state *s) {
     struct flooring f = {.g = g, .s = s};
-    if (g->engine->state.unfold) g->engine->state.unfold(g, s, false);
+    spans_unfold_bad(g, s);
     g->engine->state.rows(g, VARIED_CELLS, s, floor_row, &f);
     return f.bad;
 }

@@ -319,6 +319,19 @@ status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *
 status line_make(const struct gas *g, double ***out);
 void line_free(const struct gas *g, double **line);
 
+/* ---- spans (libcore/gas/spans.c); all do nothing on polyhedra ---- */
+
+/* Writes the backgrounds of s out to the cells outside of the spans. */
+void spans_write_out(const struct gas *g, const struct state *s);
+/* Gives `to` the spans of `from`, whose rows were written to it. */
+void spans_keep_as(const struct gas *g, const struct state *from, const struct state *to);
+/* Gives both states the joined spans of both. */
+void spans_join(const struct gas *g, const struct state *a, const struct state *b);
+/* Makes the cells of backgrounds varied cells: of the blocks that are marked (NULL: of all), or of inadmissible
+ * backgrounds, so that each cell is mended and counted by itself. */
+void spans_unfold(struct gas *g, const struct state *s, const bool *blocks);
+void spans_unfold_bad(struct gas *g, const struct state *s);
+
 /* ---- flags of cells (libcore/gas/flags.c) ---- */
 
 /* Sends the flags to the neighbours; returns the number of flagged cells of all ranks. */

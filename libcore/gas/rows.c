@@ -401,6 +401,6 @@ long sources_apply(struct gas *g, const struct source_plan *plan, const struct s
     struct half_step h = {.g = g, .from = from, .to = to, .plan = plan};
     if (sources_ask(g)) h.shear_rate = g->diffusion.shear_rate.now;
     g->engine->state.rows(g, EACH_STATE, from, source_row, &h);
-    if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, to);
+    spans_keep_as(g, from, to);
     return h.bad;
 }

@@ -73,11 +73,12 @@ static status make_activity(struct gas *g) {
 static status make_state(const struct gas *g, struct state *s) {
     const struct forest *f = g->forest;
     TRY(blocks_make(f, g->nvar, &s->block));
+    s->nspans = g->tiles->activity.nspans;
     TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
     TRY(allocate(&s->narrow, f->ntiles, sizeof *s->narrow, "tiles"));
     TRY(allocate(&s->calm, f->ntiles, sizeof *s->calm, "tiles"));
     for (int t = 0; t < f->ntiles; t++)
-        TRY(allocate(&s->varied[t], g->tiles->activity.nspans, sizeof(struct span), "spans"));
+        TRY(allocate(&s->varied[t], s->nspans, sizeof(struct span), "spans"));
     activity_reset(g, s);
     return OK;
 }
@@ -170,25 +171,6 @@ static void tiles_rows(const struct gas *g, enum extent extent, const struct sta
 
 static void tiles_fill(const struct gas *g, int n, double *const *block) {
     forest_fill(g->forest, n, block);
-}
-
-static void tiles_keep_as(const struct gas *g, const struct state *from, const struct state *to) {
-    const size_t bytes = (size_t)g->tiles->activity.nspans * sizeof(struct span);
-    for (int t = 0; t < g->forest->ntiles && to->varied != from->varied; t++) {
-        memcpy(to->varied[t], from->varied[t], bytes);
-        to->narrow[t] = from->narrow[t];
-        to->calm[t] = from->calm[t];
-    }
-}
-
-static void tiles_join(const struct gas *g, const struct state *a, const struct state *b) {
-    for (int t = 0; t < g->forest->ntiles; t++) {
-        activity_store_all(g, t, a);
-        activity_store_all(g, t, b);
-        a->narrow[t] = b->narrow[t] = a->calm[t] = b->calm[t] = false;
-        for (int i = 0; i < g->tiles->activity.nspans; i++)
-            a->varied[t][i] = b->varied[t][i] = span_join(a->varied[t][i], b->varied[t][i]);
-    }
 }
 
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {
@@ -289,15 +271,13 @@ const struct engine engine_lattice = {
               .free = tiles_free,
               .cells = tiles_cells,
               .rows = tiles_rows,
-              .keep_as = tiles_keep_as,
-              .join = tiles_join,
-              .unfold = tiles_unfold,
+              .unfold = activity_unfold,
               .fill = tiles_fill,
               .place = tiles_place,
               .speed = tiles_speed,
               .rates = tiles_rates,
               .shear_rate = tiles_shear_rate},
-    .stage = {.fronts = tiles_fronts, .stage = tiles_stage, .last_stage = tiles_last_stage, .redo = tiles_redo},
+    .stage = {.fronts = tiles_fronts, .stage = tiles_stage, .ends = true, .redo = tiles_redo},
     .diffusion = {.rates = tiles_diffusion_rates,
                   .ghosts = tiles_diffusion_ghosts,
                   .begin = tiles_diffusion_begin,
@@ -317,7 +297,6 @@ const struct engine engine_lattice = {
             .fill = tiles_bed_fill,
             .list = tiles_bed_list,
             .keep = tiles_bed_keep,
-            .unfold = tiles_bed_unfold,
             .spread = tiles_bed_spread},
     .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit},
     .carried = {.make = tiles_carried_make,

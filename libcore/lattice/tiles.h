@@ -37,9 +37,6 @@ struct work { /* scratch of the tile in hand, [size] each */
 static inline bool span_empty(struct span s) {
     return s.low >= s.high;
 }
-static inline struct span span_join(struct span a, struct span b) {
-    return (struct span){a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
-}
 struct activity { /* spans of the tile in hand: cells that differ from its background, that a stage computes, that the
                      fluxes of those read, that their fluxes along axes 1 and 2 read */
     int reach;    /* cells on either side that the fluxes of a cell read */
@@ -77,12 +74,9 @@ struct tiles {
 };
 
 long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                 double dt);
-long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                      double dt, struct ending *ending);
+                 double dt, struct ending *ending);
 void tiles_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
-void tiles_unfold(struct gas *g, const struct state *s, bool all);
 
 void tiles_shear_rate(struct gas *g, const struct state *s); /* libcore/lattice/tiles_shear_rate.c */
 
@@ -267,7 +261,6 @@ void tiles_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *o
 void tiles_bed_fill(struct gas *g, const struct state *from);
 status tiles_bed_list(struct gas *g);
 void tiles_bed_keep(struct gas *g, double weight);
-void tiles_bed_unfold(struct gas *g, const struct state *s, double above);
 void tiles_bed_spread(struct gas *g, const double *per_block, double *raised);
 /* Has the step in hand a bed with cells in the tile? */
 bool tiles_hold_bed(const struct gas *g, int tile);

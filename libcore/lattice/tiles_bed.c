@@ -351,12 +351,6 @@ void tiles_bed_keep(struct gas *g, double weight) {
     }
 }
 
-void tiles_bed_unfold(struct gas *g, const struct state *s, double above) {
-    for (int t = 0; t < g->forest->ntiles; t++)
-        if (g->dense->holds[t] || (activity_has_background(g, t, s) && s->block[t][0] > above))
-            activity_unfold(g, t, s);
-}
-
 void tiles_tally_bed(struct gas *g, double dt) {
     const struct bed_set *bed = g->dense->bed.home;
     for (int i = 0; i < g->dense->borders; i++) {

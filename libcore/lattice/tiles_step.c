@@ -13,11 +13,6 @@ void tiles_redo(struct gas *g, const struct state *U0, const struct state *from,
         }
 }
 
-void tiles_unfold(struct gas *g, const struct state *s, bool all) {
-    for (int t = 0; t < g->forest->ntiles; t++)
-        if (all || row_inadmissible(g, s->block[t], 0, 1, NULL)) activity_unfold(g, t, s);
-}
-
 struct closing { /* the second half of the sources and the wave speeds of a row at once */
     int tile;
     struct half_step half;
@@ -98,12 +93,8 @@ static long do_stage(struct gas *g, const struct state *U0, const struct state *
 }
 
 long tiles_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                 double dt) {
-    return do_stage(g, U0, from, to, a, dt, NULL);
-}
-
-long tiles_last_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                      double dt, struct ending *ending) {
+                 double dt, struct ending *ending) {
+    if (!ending) return do_stage(g, U0, from, to, a, dt, NULL);
     struct closing c = {.half = {.g = g, .plan = ending->sources}, .speeds = {.g = g}};
     long bad = do_stage(g, U0, from, to, a, dt, &c);
     ending->speed = c.speeds.most;

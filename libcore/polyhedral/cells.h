@@ -226,7 +226,7 @@ void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt);
 void cells_tally_cross(struct gas *g, double dt);
 
 long cells_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
-                 double dt);
+                 double dt, struct ending *ending);
 void cells_redo(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                 double dt);
 

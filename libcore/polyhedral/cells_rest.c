@@ -227,7 +227,7 @@ status cells_rest(struct gas *g, const bool *rests) {
     g->falling.blocks[0] = false;
     take_state(g);
     fit_rest(c->fit, r->U[0], r->U[1], r->near);
-    for (r->finds = VALUES; r->finds <= FORCES; r->finds++) (void)cells_stage(g, &g->U, &g->U, &g->W, 0, 0);
+    for (r->finds = VALUES; r->finds <= FORCES; r->finds++) (void)cells_stage(g, &g->U, &g->U, &g->W, 0, 0, NULL);
     r->finds = KNOWN;
     note_faces(g);
     note_walls(g);

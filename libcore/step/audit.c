@@ -152,7 +152,7 @@ static void beside_row(void *gas, const struct row *row) {
 
 /* Totals of W, which is given back the frozen cells of a bed: stages read them there, and do not write them. */
 static void totals_of_scratch(struct gas *g, const struct state *from, double totals[MAX_VAR]) {
-    if (g->engine->state.keep_as) g->engine->state.keep_as(g, from, &g->W);
+    spans_keep_as(g, from, &g->W);
     note_status(g->books.audit, state_totals(g, &g->W, totals));
     if (g->step.hybrid) (void)dense_put(g, &g->W);
 }

@@ -78,12 +78,6 @@ void carried_keep(struct gas *g, double weight) {
 
 /* ---- P and K ---- */
 
-/* Nothing is done: only the backgrounds of a state are written out, as cells are read. */
-static void ignore_row(void *context, const struct row *row) {
-    (void)context;
-    (void)row;
-}
-
 static void density_row(void *gas, const struct row *row) {
     const struct gas *g = gas;
     const double *before = g->V.block[row->block] + row->at, *now = g->U.block[row->block] + row->at;
@@ -164,8 +158,9 @@ status carried_move(struct gas *g, double t, double dt) {
     struct carried *c = g->carried;
     if (!c) return OK;
     renew_patches(g, t + 0.5 * dt);
-    g->engine->state.rows(g, EVERY_CELL, &g->V, ignore_row, NULL);
-    g->engine->state.rows(g, EVERY_CELL, &g->U, c->terms ? density_row : ignore_row, g);
+    spans_write_out(g, &g->V);
+    spans_write_out(g, &g->U);
+    if (c->terms) g->engine->state.rows(g, EVERY_CELL, NULL, density_row, g);
     if (c->terms) g->engine->carried.fill(g, c->rho);
     if (c->stress) {
         g->engine->carried.fill(g, c->stress);

@@ -65,10 +65,9 @@ static void exchange_row(void *exchange, const struct row *row) {
 
 /* next = 0.1 start + 0.9 state, state = 0.6 start + 0.4 state; next may be start. */
 static void exchange(struct gas *g, const struct state *start, const struct state *next, const struct state *state) {
-    const struct state_hooks *hooks = &g->engine->state;
-    if (hooks->join) hooks->join(g, start, state);
-    hooks->rows(g, KEPT_STATES, state, exchange_row, &(struct exchange){g, start, next, state});
-    if (hooks->keep_as) hooks->keep_as(g, state, next);
+    spans_join(g, start, state);
+    g->engine->state.rows(g, KEPT_STATES, state, exchange_row, &(struct exchange){g, start, next, state});
+    spans_keep_as(g, state, next);
 }
 
 void stages_pass(struct gas *g, struct attempt *a, int number) {
@@ -136,11 +135,10 @@ static bool guard_stage(struct gas *g, const struct attempt *a, const struct sta
 /* In a guarded step every stage is looked at, and its inadmissible cells are mended at once; where there are none, the
  * bits are those of a step that is not guarded. */
 static bool stages_stage(struct gas *g, struct attempt *a, const struct stage_now *s) {
-    const struct stage_hooks *hooks = &g->engine->stage;
     if (g->patches.renew) renew_patches(g, a->t + part_of(g->models.stepper, s->number) * a->dt);
     books_stage(g, s->from, s->part * s->dt);
-    const long found = a->at_once && s->is_last ? hooks->last_stage(g, a->U0, s->from, &g->W, s->a, s->dt, &a->ending)
-                                                : hooks->stage(g, a->U0, s->from, &g->W, s->a, s->dt);
+    struct ending *ending = a->at_once && s->is_last ? &a->ending : NULL;
+    const long found = g->engine->stage.stage(g, a->U0, s->from, &g->W, s->a, s->dt, ending);
     if (!a->guarded)
         a->bad += found;
     else if (any_rank(g, found) && !guard_stage(g, a, s))

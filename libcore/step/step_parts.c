@@ -92,7 +92,7 @@ bool parts_try(struct gas *g, struct attempt *a) {
     struct walk w = {.g = g, .a = a, .clock = clock_now()};
     a->now = &g->U;
     books_begin(g);
-    a->at_once = g->engine->stage.last_stage && !g->books.audit && !sources_ask(g);
+    a->at_once = g->engine->stage.ends && !g->books.audit && !sources_ask(g);
     for (int i = 0; i < PARTS; i++) {
         w.active[i] = table[i]->active(g, a);
         a->at_once &= !w.active[i] || !table[i]->end || table[i]->folds;

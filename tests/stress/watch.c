@@ -340,7 +340,7 @@ static void watched_rows(const struct gas *g, enum extent extent, const struct s
     if (!first) look_on(w, (struct gas *)(uintptr_t)g, from); /* what the last stage left */
     watch_cells(g, from, before_visit, &s);
     w->inner->state.rows(g, extent, from, visit, context);
-    if (w->inner->state.keep_as) w->inner->state.keep_as(g, from, h->to);
+    spans_keep_as(g, from, h->to);
     watch_cells(g, h->to, after_visit, &s);
     for (int i = 0; i < h->plan->n; i++)
         if (!strcmp(h->plan->step[i].row->model.name, "gravity")) compare_kicks(w, g, &h->plan->step[i], first);
@@ -411,7 +411,7 @@ static void book_stage(struct watch *w, const struct gas *g, const struct state 
 }
 
 static long watched_stage(struct gas *g, const struct state *U0, const struct state *from, const struct state *to,
-                          double a, double dt) {
+                          double a, double dt, struct ending *ending) {
     struct watch *w = (struct watch *)(uintptr_t)g->engine;
     if (U0 == from) {
         w->bad = w->stage = 0;
@@ -424,7 +424,7 @@ static long watched_stage(struct gas *g, const struct state *U0, const struct st
         w->impulse[k] += carried(g->models.stepper, w->stage) * dt * g->falling.gravity[k];
     memset(w->flagged, 0, (size_t)cells_of_mesh(g) * sizeof *w->flagged);
     book_stage(w, g, U0, from, NULL, a, dt);
-    return w->inner->stage.stage(g, U0, from, to, a, dt);
+    return w->inner->stage.stage(g, U0, from, to, a, dt, ending);
 }
 
 struct flags {
@@ -463,7 +463,7 @@ status watch_start(struct watch *w, struct gas *g) {
     if (g->dense) return OK; /* the states of its stages are no results */
     w->engine.stage.stage = watched_stage;
     w->engine.stage.redo = watched_redo;
-    w->engine.stage.last_stage = NULL; /* stages.c then leaves the sources by themselves; the bits are the same */
+    w->engine.stage.ends = false; /* stages.c then leaves the sources by themselves; the bits are the same */
     w->engine.state.rows = watched_rows;
     w->engine.diffusion.end = watched_end;
     g->engine = &w->engine;

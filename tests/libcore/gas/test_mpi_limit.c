@@ -127,7 +127,7 @@ static long limited_stage(struct gas *g, struct state *U0, double a, double dt) 
     for (int k = 0; k < 3; k++) g->step.fastest[k] = speed.axis[k];
     g->engine->stage.fronts(g, &speed);
     g->step.dt = dt > 0 ? dt : largest_step(g);
-    (void)g->engine->stage.stage(g, U0, &g->U, &g->W, a, dt);
+    (void)g->engine->stage.stage(g, U0, &g->U, &g->W, a, dt, NULL);
     if (dt == 0) dt = largest_step(g);
     flag_all(g);
     g->engine->stage.redo(g, U0, &g->U, &g->W, a, dt);
