@@ -56,7 +56,7 @@ static status make_kept(const struct gas *g, struct dense *d) {
 
 status dense_make(struct gas *g) {
     const struct gas_models *m = &g->models;
-    if (!gas_may_be_dense(m) || !g->engine->bed.make) return OK;
+    if (!gas_may_be_dense(m)) return OK;
     if (g->patches.fed && !gas_rubs(m) && m->acoustics->automatic) return OK; /* beds cannot be given mass */
     TRY(allocate(&g->dense, 1, sizeof *g->dense, "the bed"));
     struct dense *d = g->dense;
@@ -86,15 +86,16 @@ status dense_make(struct gas *g) {
         d->part[b] = d->part[0] + b * g->size;
     }
     TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
+    TRY(pool_take(&d->pool, &d->flux, blocks, sizeof *d->flux, "the bed"));
     TRY(comm_agree(g->comm, g->engine->bed.make(g)));
     return make_kept(g, d);
 }
 
 void dense_free(struct gas *g) {
     if (!g->dense) return;
-    if (g->engine->bed.free) g->engine->bed.free(g);
     bed_free(&g->dense->bed);
     arrays_free(&g->dense->arrays);
+    pool_free(&g->dense->pool);
     if (g->dense->number) free(g->dense->number[0]);
     if (g->dense->part) free(g->dense->part[0]);
     if (g->dense->kept) free(g->dense->kept[0]);
@@ -287,7 +288,14 @@ void dense_pass(struct gas *g, double dt) {
 }
 
 void dense_keep(struct gas *g, double weight) {
-    g->engine->bed.keep(g, weight);
+    const struct dense *d = g->dense;
+    const struct bed_set *bed = d->bed.home;
+    for (int i = 0; i < d->borders; i++) {
+        const struct dense_border *b = &d->border[i];
+        const double *flux = d->flux[b->block] + b->through, area = g->blocks.area ? g->blocks.area[b->through] : 1;
+        if (bed->kind[b->face] != BED_KEPT) continue;
+        for (int v = 0; v < g->nvar; v++) bed->kept[v][b->face] += weight * flux[v * g->blocks.faces] / area;
+    }
     bed_write(&g->dense->bed);
 }
 
@@ -329,6 +337,14 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
     return bad == 0;
 }
 
+void dense_spread(const struct gas *g, const double *per_block, double *raised) {
+    memset(raised, 0, (size_t)g->floors.places * sizeof *raised);
+    for (int b = 0; b < g->dense->bed.home->blocks; b++) {
+        const int place = g->dense->place[b];
+        raised[place] += per_block[b] / (g->blocks.volume ? g->blocks.volume[place] : 1);
+    }
+}
+
 status dense_count(struct gas *g) {
     struct dense *d = g->dense;
     long count[2] = {d->bed.lifted, d->bed.set.cells};
@@ -341,7 +357,7 @@ status dense_count(struct gas *g) {
     g->counts.now.lifted += count[0];
     g->counts.now.bed_cells = count[1];
     if (count[0] == 0) return OK;
-    g->engine->bed.spread(g, d->bed.home->lift, g->floors.raised);
+    dense_spread(g, d->bed.home->lift, g->floors.raised);
     TRY(sum_raised(g, g->floors.raised, &sum));
     g->counts.now.lift += sum;
     return OK;

@@ -9,7 +9,7 @@
 struct rated { /* cells that lie one behind the other, their states and rates as in struct bed_rates */
     struct row row;
     const double *rho, *part;
-    struct bed_speeds s;
+    struct row_speeds s;
 };
 
 /* Returns the largest rate at which impacts cool the dense cells of a row, by the cooling law over dt. */
@@ -59,7 +59,7 @@ static void find_speeds(struct gas *g, const struct row *row, struct rated *out)
     out->row = *row;
     out->rho = g->U.block[row->block] + row->at;
     out->part = g->dense->part[row->block] + row->at;
-    g->engine->bed.speeds(g, row, &out->s);
+    g->engine->state.speeds(g, &g->U, row, &out->s);
 }
 
 static void rate_row(void *rating, const struct row *row) {
@@ -124,8 +124,7 @@ static void find_row(void *gas, const struct row *row) {
     double *part = d->part[row->block] + row->at;
     const double most = bed_largest(row->n, rho);
     if (g->U.varied && row->at == 0) {
-        if (most > (d->bed.rub ? FILLS_LOW * g->limits.most : d->above))
-            g->engine->state.unfold(g, row->block, &g->U);
+        if (most > (d->bed.rub ? FILLS_LOW * g->limits.most : d->above)) g->engine->state.unfold(g, row->block, &g->U);
         return;
     }
     if (d->bed.rub && most > FILLS_LOW * g->limits.most) find_lying(g, row);
@@ -180,6 +179,51 @@ bool dense_include(struct gas *g, double rate) {
     return c.found > 0;
 }
 
+struct ringing { /* marks the ring around the parts above `least` */
+    struct gas *g;
+    double least, level;
+    int block; /* that was looked at last */
+    bool near; /* has it, or its ghosts, a part? */
+};
+
+KERNEL static void bed_around(int n, const int *restrict across, const double *restrict part, double *restrict most) {
+    for (int i = 0; i < n; i++) most[i] = larger(most[i], part[across[i]]);
+}
+
+/* Gives `level` to those of n <= BATCH cells without a part beside which there is more than `least`; returns whether
+ * any has a part. */
+KERNEL static bool bed_ring(int n, double least, double level, const double *restrict most, double *restrict part) {
+    uint64_t found = 0; /* the bits of parts, which are not negative: a loop over them is one of vectors */
+    for (int i = 0; i < n; i++) {
+        part[i] = select_double((part[i] == 0) & (most[i] > least), level, part[i]);
+        found |= bits_of(part[i]);
+    }
+    return found != 0;
+}
+
+static void ring_row(void *ringing, const struct row *row) {
+    struct ringing *r = ringing;
+    double *part = r->g->dense->part[row->block], most[BATCH] = {0};
+    struct sides s;
+    if (row->block != r->block) r->near = bed_largest((int)r->g->size, part) > 0;
+    r->block = row->block;
+    if (!r->near) return;
+    for (int k = 0; r->g->engine->state.sides(r->g, row, k, &s); k++) bed_around(row->n, s.across, part, most);
+    if (bed_ring(row->n, r->least, r->level, most, part + row->at)) r->g->dense->holds[row->block] = true;
+}
+
+/* Marks the frozen, live and outer cells around the dense ones (enum bed_part). Ghosts beyond patches have no part. No
+ * cell is left out as uniform in a step with a bed. */
+static void mark_rings(struct gas *g) {
+    for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
+        struct ringing r = {g, level == BED_FROZEN ? BED_DENSE : level, level, -1, false};
+        g->engine->state.fill(g, 1, 1, g->dense->part);
+        g->engine->state.rows(g, EVERY_CELL, NULL, ring_row, &r);
+    }
+    g->engine->state.fill(g, 1, 1, g->dense->part);
+    spans_unfold(g, &g->U, NULL);
+}
+
 struct bed_rates dense_rates(struct gas *g, double plain) {
     struct dense *d = g->dense;
     struct rating r = {.g = g, .dt = plain};
@@ -187,7 +231,7 @@ struct bed_rates dense_rates(struct gas *g, double plain) {
     for (int b = 0; b < d->blocks; b++)
         for (long i = 0; i < g->size && d->holds[b]; i++)
             d->part[b][i] = select_double(d->part[b][i] < BED_DENSE, 0, d->part[b][i]);
-    g->engine->bed.rings(g);
+    mark_rings(g);
     g->engine->state.rows(g, VARIED_CELLS, &g->U, rate_row, &r);
     d->cooling = larger(d->cooling, r.most.cooling);
     double most[] = {r.most.thin, r.most.solid, r.most.flow, d->cooling, r.most.inertia};
@@ -208,8 +252,20 @@ void dense_seek(struct gas *g, double place[3]) {
 
 /* ---- to and from the bed ---- */
 
-int dense_kind(const struct gas *g, int patch) {
-    return patch < 0 ? BED_KEPT : patch_is_wall(&g->patches.rules[patch]) ? BED_WALL : BED_OPEN;
+void dense_border(struct gas *g, const struct row *row, const struct sides *s, int i, int f) {
+    struct dense *d = g->dense;
+    struct bed_set *bed = d->bed.home;
+    const struct patch_face patch = s->edge[i] < 0 ? (struct patch_face){-1, 0} : s->patch[i];
+    bed->kind[f] = BED_INNER;
+    if (bed->left[f] >= 0 && bed->right[f] >= 0) return;
+    bed->kind[f] = patch.patch < 0 ? BED_KEPT : patch_is_wall(&g->patches.rules[patch.patch]) ? BED_WALL : BED_OPEN;
+    d->border[d->borders++] = (struct dense_border){.face = f,
+                                                    .block = row->block,
+                                                    .inside = row->at + i,
+                                                    .beyond = s->across[i],
+                                                    .through = s->face[i] < 0 ? ~s->face[i] : s->face[i],
+                                                    .edge = s->edge[i],
+                                                    .patch = patch};
 }
 
 /* Are the cells of the bed others than those that have numbers? */
@@ -228,10 +284,13 @@ static bool is_listed(const struct gas *g) {
     return changed == 0;
 }
 
-status dense_list(struct gas *g, status s, long rows, int sides) {
+status dense_list(struct gas *g, long rows, int sides) {
     struct dense *d = g->dense;
-    if (!s) s = ARRAYS_GROW(&d->arrays, d->row, rows);
+    status s = ARRAYS_GROW(&d->arrays, d->row, rows);
     if (!s) s = ARRAYS_GROW(&d->arrays, d->border, sides);
+    for (int b = 0; b < d->blocks && !s; b++)
+        if (d->holds[b] && !d->flux[b])
+            s = pool_take(&d->pool, &d->flux[b], g->nvar * g->blocks.faces + SLACK, sizeof(double), "the bed");
     TRY(comm_agree(g->comm, s));
     TRY(bed_list(&d->bed, sides));
     for (int b = 0; b < g->dense->blocks; b++) memset(d->number[b], 0, (size_t)g->size * sizeof **d->number);
@@ -338,8 +397,7 @@ status dense_listed(struct gas *g) {
 }
 
 status dense_begin(struct gas *g, const struct state *from) {
-    const struct bed_hooks *engine = &g->engine->bed;
-    engine->fill(g, from);
+    g->engine->state.ghosts(g, from);
     TRY(dense_listed(g));
     dense_take(g, &g->U);
     bed_note_start(&g->dense->bed);
@@ -350,7 +408,7 @@ status dense_begin(struct gas *g, const struct state *from) {
     }
     take_beyond(g, from);
     dense_take_friction(g);
-    if (engine->balance) engine->balance(g, from);
+    if (g->engine->bed.balance) g->engine->bed.balance(g, from);
     g->dense->begun = true;
     return OK;
 }

@@ -220,8 +220,9 @@ static long plan_steps(const struct gas *g, double ratio, int *stages) {
     }
 }
 
-/* Would a half step over dt from a state never get through? Notes that in g->diffusion.stiff. */
-static bool too_stiff(struct gas *g, const struct state *from, double dt, const double rate[2]) {
+/* Would a half step over dt from a state never get through? Notes that in g->diffusion.stiff, with a scratch state. */
+static bool too_stiff(struct gas *g, const struct state *from, const struct state *scratch, double dt,
+                      const double rate[2]) {
     for (int what = 0; what < 2; what++) {
         const double ratio = smaller(dt * rate[what], MOST_RATIO);
         int each = 0;
@@ -229,7 +230,8 @@ static bool too_stiff(struct gas *g, const struct state *from, double dt, const 
         if (ratio < MOST_RATIO && stages <= MOST_STAGES) continue;
         g->diffusion.stiff =
             (struct stiff){true, g->diffusion.late, (enum diffusing)what, rate[what], dt, (double)stages, {0}};
-        place_of_rate(g, (enum rate)what, from, rate[what], g->diffusion.stiff.place);
+        g->engine->diffusion.rates(g, from, (double[2]){0}, scratch);
+        place_of_value(g, scratch, what, rate[what], g->diffusion.stiff.place);
         return true;
     }
     return false;
@@ -298,17 +300,22 @@ static void dilate_visit(void *between, const struct row *row) {
 static void dilate(struct gas *g, const struct state *from, const struct state *mid, double dt) {
     if (!g->diffusion.terms.dilation) return;
     books_part(g, GAS_HEAT, mid); /* the heat that cross grad rho has moved */
-    g->engine->diffusion.ghosts(g, from);
-    g->engine->diffusion.ghosts(g, mid);
+    g->engine->state.ghosts(g, from);
+    g->engine->state.ghosts(g, mid);
     g->engine->state.rows(g, EVERY_CELL, NULL, dilate_visit, &(struct between){g, from, mid, dt});
     books_part(g, GAS_DILATION, mid);
+}
+
+/* The third state of diffusion, scratch. */
+static const struct state *between_of(const struct gas *g, const struct state *to) {
+    return to == &g->W ? &g->U0 : &g->W;
 }
 
 /* Applies the stress to `from`, then conducts heat, by way of a third state. again: the heat of dilation was taken
  * before, so that it is no source of conduction. */
 static long diffuse_both(struct gas *g, const struct state *from, const struct state *to, double t, double dt,
                          const double rate[2], bool again) {
-    const struct state *mid = to == &g->W ? &g->U0 : &g->W;
+    const struct state *mid = between_of(g, to);
     const struct lapse stress = {t, dt, 0, 0};
     (void)cover(g, VISCOUS, from, mid, &stress, rate[VISCOUS], false);
     books_part(g, GAS_FRICTION, mid);
@@ -333,10 +340,12 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     g->diffusion.late = second;
     renew_patches(g, second ? t + dt : t);
     diffusion_sees(g, from);
-    g->engine->diffusion.rates(g, from, rate);
+    g->diffusion.plain = false;
+    g->engine->diffusion.rates(g, from, rate, NULL);
     for (int i = 0; i < 2 && !bad; i++) most[1 + i] = rate[i];
     comm_max(g->comm, most, 3);
-    if (most[0] > 0 || !isfinite(most[1] + most[2]) || too_stiff(g, from, dt, most + 1)) return false;
+    if (most[0] > 0 || !isfinite(most[1] + most[2]) || too_stiff(g, from, between_of(g, to), dt, most + 1))
+        return false;
     g->diffusion.ahead = false;
     long repeats = 0, plain = 0;
     books_mark(g, false);
@@ -358,7 +367,7 @@ bool diffuse(struct gas *g, const struct state *from, const struct state *to, do
     g->counts.now.plain += plain;
     if (!second && most[0] == 0) {
         renew_patches(g, t + dt);
-        g->engine->diffusion.ghosts(g, to);
+        g->engine->state.ghosts(g, to);
         g->engine->state.rows(g, NEAR_CELLS, NULL, ahead_row, &(struct between){.g = g, .to = to});
         diffusion_looks_ahead(g, to);
         g->diffusion.ahead = true;

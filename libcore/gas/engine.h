@@ -9,6 +9,8 @@
 #include "libcore/gas/carried.h"
 #include "libcore/gas/tally.h"
 
+typedef void edge_face_visitor(void *context, int edge, double scale, struct gas_face *face);
+
 enum { SLACK = 32 }; /* doubles behind every block: the last line is read in whole vectors, or batches of lanes */
 
 struct span { /* the columns low <= i < high of a row of a tile */
@@ -57,7 +59,22 @@ struct ending {                        /* the work that follows the last stage o
 };
 
 enum diffusing { VISCOUS, HEAT };
-enum rate { OF_VISCOUS = VISCOUS, OF_HEAT = HEAT, OF_FLOW };
+
+struct row_speeds { /* of a row of cells: eps, p; 1/s: sum_k |u_k|/width_k, and with |u_k| + c for |u_k| */
+    double eps[BATCH], p[BATCH], flow[BATCH], thin[BATCH];
+    double rate[BATCH]; /* 1/s: what the largest rate of struct gas_speed is that of; `thin` but for its last bits */
+};
+
+struct patch_face { /* a face of a patch; patch -1: none */
+    int patch, face;
+};
+struct sides {         /* a face of each of n <= BATCH cells of a block, as the cell sees it */
+    int across[BATCH]; /* place of the cell or ghost across */
+    int face[BATCH];   /* place of the face in lines over faces of the block, ~place if the cell is its right one */
+    int edge[BATCH];   /* number of the face among this rank's faces of patches; -1: it is none */
+    struct patch_face patch[BATCH]; /* where edge >= 0 */
+};
+#define NO_SIDE INT_MIN /* `face` of a cell that has fewer faces than others; its `across` is the cell itself */
 
 struct state_hooks {
     /* make allocates the states and the work memory of g, whose other members are set; free also undoes a make that
@@ -72,14 +89,20 @@ struct state_hooks {
     void (*rows)(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit, void *context);
     /* Writes the background of a block out, so that all of its cells are varied ones. NULL: there are none. */
     void (*unfold)(const struct gas *g, int block, const struct state *s);
-    /* Fills the ghosts of n lines of blocks, not those beyond patches. */
-    void (*fill)(const struct gas *g, int n, double *const *block);
+    /* Fills the ghosts of n lines of blocks, not those beyond patches: on a lattice so many layers of them. */
+    void (*fill)(const struct gas *g, int layers, int n, double *const *block);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);
-    /* speed finds the wave speeds of this rank's cells; rates computes what they are found from, or the last rates of
-     * diffusion, which were those of s, in the cells of a row of s (1/s). */
+    /* Finds the k-th faces of a row of cells, k from 0 on. Returns false if no cell of the row has one. */
+    bool (*sides)(const struct gas *g, const struct row *row, int k, struct sides *out);
+    /* Visits the faces that a block of the grid has on patches: their numbers (edge of struct sides), the factor from
+     * numbers in lines over faces to the whole face, and their geometry. */
+    void (*edges)(const struct gas *g, int block, edge_face_visitor *visit, void *context);
+    /* Fills the ghosts of a state that are NEAR_CELLS, beyond patches, too. Collective. */
+    void (*ghosts)(struct gas *g, const struct state *s);
+    /* speed finds the wave speeds of this rank's cells; speeds finds those of a row of s. */
     void (*speed)(struct gas *g, struct gas_speed *speed);
-    void (*rates)(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate);
+    void (*speeds)(struct gas *g, const struct state *s, const struct row *row, struct row_speeds *out);
     /* Sets g->diffusion.shear_rate.now to the shear rate (shear_rate_row) of s, in ghosts to that of the cell beside or
      * across; where g->diffusion.shear_rate.now is not NULL. Collective. */
     void (*shear_rate)(struct gas *g, const struct state *s);
@@ -110,10 +133,8 @@ struct diffusion_hooks {
     /* is friction T(to) - (T(from) + cooled)? Else (T(to) - T(from)) - cooled, which differs in the last bit */
     bool cooled_first;
     /* Freezes the coefficients at Y0 and fills its ghosts; most[VISCOUS] and most[HEAT] are the largest rates of this
-     * rank's cells, 1/s. */
-    void (*rates)(struct gas *g, const struct state *Y0, double most[2]);
-    /* Fills the ghosts of a state that are NEAR_CELLS, beyond patches, too. */
-    void (*ghosts)(struct gas *g, const struct state *s);
+     * rank's cells, 1/s. each: its first two variables get the rates of each cell; NULL: they are not wanted. */
+    void (*rates)(struct gas *g, const struct state *Y0, double most[2], const struct state *each);
     /* Adds to the energy of `to` dt div (cross grad rho), with rho and the coefficients of the last rates. */
     void (*cross)(struct gas *g, const struct state *to, double dt);
     /* Computes div u in the cells of a row, with the mean u of both states, whose ghosts are filled. */
@@ -129,63 +150,33 @@ struct diffusion_hooks {
      * of that S if q were 1 throughout. Marks the cells that are not admissible, and returns their number. */
     long (*end)(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
                 double weight);
-    /* From here on the stress on the faces of flagged cells has no tangential derivatives (on polyhedra all their
-     * fluxes have the jumps across the faces alone), and cross is 0 there. */
-    void (*plain)(struct gas *g);
+    /* For the systems of implicit diffusion (libcore/gas/implicit.c): returns per times component c of the flux out of
+     * a cell through its k-th face if S is 1 in this component of the cell and 0 in all other cells, and beyond a patch
+     * what follows from that, without what couples components within the gas. The last S is lost. */
+    double (*weight)(struct gas *g, enum diffusing what, double per, int block, long at, int k, int c);
 };
-
-/* The systems of implicit diffusion (libcore/gas/implicit.c). */
-struct implicit_hooks {
-    /* Returns the place in a block of the cell or ghost across the k-th face of a cell, ~place beyond a patch; NO_FACE:
-     * the cell has no more faces. */
-    long (*across)(const struct gas *g, int block, long at, int k);
-    /* Returns line c of the last S of a block. */
-    double *(*sum)(const struct gas *g, int block, int c);
-    /* Fills the last S beyond patches as if these gave values of 0. */
-    void (*beyond)(struct gas *g, enum diffusing what);
-    /* Returns per times component c of the flux that a jump of S between its cells makes through the k-th face of a
-     * cell, without what couples components within the gas. */
-    double (*weight)(const struct gas *g, enum diffusing what, double per, int block, long at, int k, int c,
-                     const double jump[MAX_DIM]);
-};
-#define NO_FACE LONG_MIN
 
 /* What a cell is to the bed of a step with implicit acoustics (libcore/gas/dense.c): dense cells, hard ones among them,
  * the neighbours of hard ones, and two rings around these. The Runge-Kutta stages leave the inner parts, frozen and up,
  * as they are, so that they see no fast sound; they do advance the two rings, for the sake of the fluxes between the
  * bed and the other cells alone. */
 enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE, BED_HARD };
-struct bed_speeds { /* of a row of cells: eps, p; 1/s: sum_k |u_k|/width_k, sum_k (|u_k| + c)/width_k */
-    double eps[BATCH], p[BATCH], flow[BATCH], thin[BATCH];
-};
 /* The implicit acoustics of dense cells; all NULL: the engine has none. A bed is libcore/acoustics/bed.h's, g->dense
  * has it. */
 struct bed_hooks {
-    /* make makes the bed (bed_make), its shapes and what the engine needs, and sets g->dense->own. */
+    /* Makes the bed (bed_make), its shapes and what the engine needs in g->dense->pool, and sets g->dense->own, sides.
+     */
     status (*make)(struct gas *g);
-    void (*free)(struct gas *g);
-    /* Marks the rings around the dense cells, where no cell is in a ring yet, and sets g->dense->holds. Writes all
-     * backgrounds of U out: no cell is left out as uniform in a step with a bed. Collective. */
-    void (*rings)(struct gas *g);
-    /* Finds the speeds of a row of U. */
-    void (*speeds)(struct gas *g, const struct row *row, struct bed_speeds *out);
-    /* Fills the ghosts of `from` across the faces of the bed, beyond patches, too. Collective. */
-    void (*fill)(struct gas *g, const struct state *from);
-    /* Lists the bed's cells and faces: g->dense->bed.home, row, border and number. Collective. */
+    /* Lists the bed's cells and faces: g->dense->bed.home, row, border, number and place. Collective. */
     status (*list)(struct gas *g);
     /* Takes the numbers that balance a state at rest, `from` filled. NULL: there are none. */
     void (*balance)(struct gas *g, const struct state *from);
-    /* Adds `weight` times the fluxes of the last stage to those that are kept. */
-    void (*keep)(struct gas *g, double weight);
-    /* Sums numbers per block of the bed (J/m^3) to one per cell block of g->floors.raised. */
-    void (*spread)(struct gas *g, const double *per_block, double *raised);
 };
 
 struct engine {
     struct state_hooks state;
     struct stage_hooks stage;
     struct diffusion_hooks diffusion;
-    struct implicit_hooks implicit;
     struct bed_hooks bed;
     struct tally_hooks tally;     /* libcore/gas/tally.h */
     struct carried_hooks carried; /* libcore/gas/carried.h */

@@ -21,7 +21,7 @@ long flags_send(struct gas *g) {
     struct census own = {.g = g}, near = {.g = g, .note = true};
     g->engine->state.rows(g, EVERY_CELL, NULL, count_row, &own);
     comm_sum_long(g->comm, &own.count, 1);
-    g->engine->state.fill(g, 1, g->limits.flags.cells);
+    g->engine->state.fill(g, GHOSTS, 1, g->limits.flags.cells);
     memset(g->limits.flags.blocks, 0, (size_t)g->blocks.n * sizeof *g->limits.flags.blocks);
     g->engine->state.rows(g, NEAR_CELLS, NULL, count_row, &near);
     return own.count;
@@ -71,7 +71,6 @@ long flags_of_marks(struct gas *g, bool keep) {
     }
     g->limits.flags.marked = false;
     if (!keep) return 0;
-    const long flagged = flags_send(g);
-    g->engine->diffusion.plain(g);
-    return flagged;
+    g->diffusion.plain = true;
+    return flags_send(g);
 }

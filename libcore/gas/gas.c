@@ -58,6 +58,7 @@ static void free_lines(struct gas *g) {
     free(g->blocks.sums);
     free(g->falling.dropped);
     free(g->falling.blocks);
+    free(g->patches.side);
     floors_free(g);
 }
 
@@ -77,6 +78,7 @@ static status make(const struct gas *like, struct gas **out) {
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = make_lines(g);
     if (!s) s = g->engine->state.make(g);
+    if (!s) s = sides_make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
     if (!s) s = dense_make(g);
     if (!s) s = carried_make(g);
@@ -97,7 +99,7 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
                           .counts = {.images = f->images},
                           .size = f->size,
                           .floors = {.places = f->ntiles},
-                          .blocks = {.n = f->ntiles, .unit = f->volume},
+                          .blocks = {.n = f->ntiles, .unit = f->volume, .faces = f->dim * f->size},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -112,7 +114,12 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
                           .counts = {.images = 1},
                           .size = grid->polyhedra->size,
                           .floors = {.places = grid->polyhedra->nown, .step = 1},
-                          .blocks = {1, grid, grid->polyhedra->volume, grid->polyhedra->thickness, NULL},
+                          .blocks = {.n = 1,
+                                     .grid = grid,
+                                     .volume = grid->polyhedra->volume,
+                                     .unit = grid->polyhedra->thickness,
+                                     .area = grid->polyhedra->face.area,
+                                     .faces = grid->polyhedra->face.n + SLACK},
                           .models = *models,
                           .patches = {.n = npatches, .rules = rules}};
     return make(&g, out);
@@ -267,33 +274,45 @@ void gas_speed(struct gas *g, struct gas_speed *speed) {
     *speed = g->step.speed;
 }
 
-struct rate_search { /* of the cells with a rate */
+struct search { /* of the cells with a value */
     struct gas *g;
-    enum rate what;
     const struct state *s;
+    int v;
     double wanted;
     struct first_place first;
 };
 
-static void seek_rate(void *search, const struct row *row) {
-    struct rate_search *r = search;
-    double rate[BATCH], here[3];
-    r->g->engine->state.rates(r->g, r->what, r->s, row, rate);
+static void offer_row(struct search *x, const struct row *row, const double *value) {
+    double here[3];
     for (int i = 0; i < row->n; i++) {
-        if (rate[i] != r->wanted) continue;
-        r->g->engine->state.place(r->g, row->block, row->at + i, here);
-        first_place_offer(&r->first, here);
+        if (value[i] != x->wanted) continue;
+        x->g->engine->state.place(x->g, row->block, row->at + i, here);
+        first_place_offer(&x->first, here);
     }
 }
 
-void place_of_rate(struct gas *g, enum rate what, const struct state *s, double wanted, double place[3]) {
-    struct rate_search r = {g, what, s, wanted, {.order = HUGE_VAL}};
-    g->engine->state.rows(g, EVERY_CELL, s, seek_rate, &r);
-    first_place_agree(g, &r.first, place);
+static void seek_value(void *search, const struct row *row) {
+    struct search *x = search;
+    offer_row(x, row, x->s->block[row->block] + x->v * x->g->size + row->at);
+}
+
+static void seek_speed(void *search, const struct row *row) {
+    struct search *x = search;
+    struct row_speeds s;
+    x->g->engine->state.speeds(x->g, x->s, row, &s);
+    offer_row(x, row, s.rate);
+}
+
+void place_of_value(struct gas *g, const struct state *s, int v, double wanted, double place[3]) {
+    struct search x = {g, s, v, wanted, {.order = HUGE_VAL}};
+    g->engine->state.rows(g, EVERY_CELL, s, seek_value, &x);
+    first_place_agree(g, &x.first, place);
 }
 
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    place_of_rate(g, OF_FLOW, &g->U, speed->rate, place);
+    struct search x = {g, &g->U, 0, speed->rate, {.order = HUGE_VAL}};
+    g->engine->state.rows(g, EVERY_CELL, &g->U, seek_speed, &x);
+    first_place_agree(g, &x.first, place);
 }
 
 void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]) {

@@ -9,6 +9,7 @@
 #include "libcore/gas/implicit.h"
 #include "libcore/gas/tally.h"
 #include "libcore/schemes/limit.h"
+#include "mesh/base/pool.h"
 
 #define PACKED 0.99 /* fraction of the density limit; cells above it are packed */
 /* A face has the flux of first order if a cell of its stencil is VOID times as dense as the thinner of its two, and
@@ -25,12 +26,10 @@ enum { MOST_STAGES = 100000 };
 
 enum { GUARDED = 16 }; /* steps that are guarded after one that found an inadmissible cell */
 
-struct patch_face { /* a face of a patch; patch -1: none */
-    int patch, face;
-};
 struct dense_border {        /* a face of the bed that is not BED_INNER */
     int face, block;         /* in the bed's list; the block of its places */
     long inside, beyond;     /* places of the bed's cell and of what is across the face, in the lines of the block */
+    int through, edge;       /* place in lines over the faces of the block; number among faces of patches, or -1 */
     struct patch_face patch; /* which it is a part of */
 };
 struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
@@ -43,6 +42,9 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     bool *holds;          /* [blocks] has the block a cell of the bed? */
     int **number;         /* [blocks][size] numbers of the bed's cells over all ranks from 1 on, else 0; ghosts too */
     struct arrays arrays; /* the memory of row, border */
+    struct pool pool;     /* that of the engine, and of `flux` on a lattice */
+    double **flux;        /* [blocks] of [nvar][g->blocks.faces]: of the last stage; NULL where no bed has been */
+    int *place;           /* [blocks of the bed] where in g->floors.raised its sums go */
     double thin;          /* kg/m^3: below it cells are near vacuum */
     double above, hard;   /* kg/m^3: denser cells are dense, or hard */
     double **part;        /* [blocks][size] enum bed_part, 0: none; ghosts too */
@@ -107,8 +109,16 @@ struct limits { /* of admissible states, and the limiting of fluxes that keeps t
     struct limit_flags flags;
 };
 
+struct patch_side {     /* a face of this rank on a patch */
+    int block, face;    /* its place in lines over the faces of the block */
+    int inside, beyond; /* places of its cell and of the ghost */
+    double out;         /* 1: fluxes lead out of the gas, -1: into it */
+    struct patch_face patch;
+};
 struct patches {
     int n;
+    int sides;                                /* of this rank */
+    struct patch_side *side;                  /* [sides] by their number (edge of struct sides) */
     const struct patch_rules *rules;          /* [n] */
     bool fed;                                 /* is there a patch that gives the mass that flows in? */
     status (*renew)(void *renewer, double t); /* of gas_vary; NULL: the values of patches do not change */
@@ -143,6 +153,14 @@ struct half_diffusion {           /* the half step of diffusion in hand; with tr
     bool late;                    /* is it in the second half of the step, before cooling? */
     bool oblique;                 /* is a line of centres oblique to its face, so that heat is not symmetric? */
     bool ahead;                   /* are the coefficients those at the end of the half step (diffusion.c)? */
+    /* From flags_of_marks on until the next rates: the stress on the faces of flagged cells has no tangential
+     * derivatives (on polyhedra all their fluxes have the jumps across the faces alone), and cross is 0 there. */
+    bool plain;
+    /* Lines of the engine: S of the last stage is sum[last], that of the stage before sum[1 - last]; [blocks], from
+     * component to component `wide` numbers. */
+    double **sum[2];
+    long wide;
+    int last;
     /* [blocks][size] T of the coefficients of the first half, then T at its end over that; with ghosts (NEAR_CELLS) */
     double **warm;
     double **dilation;         /* [blocks][size] coefficient of div u; NULL: the law has no such term */
@@ -173,6 +191,8 @@ struct blocks {              /* of the state, and sums over them (libcore/gas/bl
     const struct grid *grid; /* the mesh of polyhedra, borrowed; NULL on a lattice */
     const double *volume;    /* [size] of the cells of polyhedra, m^dim; NULL on a lattice */
     double unit;             /* m^3 of a cell of a lattice, m^(3-dim) of polyhedra: sums are multiplied by that */
+    const double *area;      /* of the faces of polyhedra, m^(dim-1); NULL on a lattice: fluxes are per area */
+    long faces;              /* numbers in a line over the faces of a block */
     double *sums;            /* [nvar][blocks of the grid] scratch */
 };
 
@@ -254,8 +274,6 @@ bool dense_rub(struct gas *g, double t, double dt, const struct state *to);
 status dense_listed(struct gas *g);      /* lists the bed, unless it is that of the last list */
 void dense_take_friction(struct gas *g); /* takes what friction kept, and what the walls do */
 void dense_keep_friction(struct gas *g); /* keeps what friction needs in the next step */
-/* The kind (enum bed_kind) of a face of the bed beyond which there is a patch; -1: another cell. */
-int dense_kind(const struct gas *g, int patch);
 void dense_free(struct gas *g);
 struct bed_rates {  /* 1/s, largest in this rank's cells; each dt is a share of 1/rate */
     double thin;    /* sum_k (|u_k| + c)/width_k outside of the frozen parts */
@@ -275,9 +293,10 @@ struct bed_rates dense_rates(struct gas *g, double plain);
 /* Finds the first cell that has the rate which forbids an implicit step, d->bound.rate. Collective. */
 void dense_seek(struct gas *g, double place[3]);
 /* Begins a new list, after the engine has listed the blocks of bed.home: makes memory for that number of rows of cells
- * with that number of sides, and forgets the numbers of cells. s: an error that this rank has met before. Collective.
- */
-status dense_list(struct gas *g, status s, long rows, int sides);
+ * with that number of sides, and for their fluxes, and forgets the numbers of cells. Collective. */
+status dense_list(struct gas *g, long rows, int sides);
+/* Notes face f of the bed, that of lane i of a row, as a border if a side of it is none of the bed; sets its kind. */
+void dense_border(struct gas *g, const struct row *row, const struct sides *s, int i, int f);
 /* Copy the states of the bed's cells from a state, or to it; dense_put returns the number of those not admissible. */
 void dense_take(struct gas *g, const struct state *from);
 long dense_put(struct gas *g, const struct state *to);
@@ -294,6 +313,8 @@ bool dense_advance(struct gas *g, double t, double dt, bool guarded, const struc
 bool dense_refused(struct gas *g, double *dt);
 /* A step of dt stands: the pause is shorter by that. */
 void dense_pass(struct gas *g, double dt);
+/* Sums numbers per block of the bed (J/m^3) to one per place of g->floors.raised. */
+void dense_spread(const struct gas *g, const double *per_block, double *raised);
 /* Counts a bed whose step stands. */
 status dense_count(struct gas *g);
 
@@ -314,6 +335,9 @@ status stop_of_diffusion(struct gas *g, double t);
 bool asked_to_leave(struct gas *g);
 /* Returns the error of a dt so short that t + dt is t, or all but t. */
 status stop_of_time(struct gas *g, double t, double dt, const struct gas_speed *speed);
+
+/* Lists the faces of patches, g->patches.side (libcore/gas/sides.c). */
+status sides_make(struct gas *g);
 
 /* Allocates a line of all blocks. */
 status line_make(const struct gas *g, double ***out);
@@ -505,7 +529,7 @@ static inline void first_place_offer(struct first_place *p, const double here[3]
 }
 /* Sets `place` to the first over all ranks, HUGE_VAL if no rank found one. Collective. */
 void first_place_agree(const struct gas *g, const struct first_place *p, double place[3]);
-/* Finds the first cell of s that has a rate. Collective. */
-void place_of_rate(struct gas *g, enum rate what, const struct state *s, double wanted, double place[3]);
+/* Finds the first cell that has `wanted` in variable v of a state. Collective. */
+void place_of_value(struct gas *g, const struct state *s, int v, double wanted, double place[3]);
 
 #endif

@@ -56,7 +56,7 @@ struct moving {
 static void copy_row(void *moving, const struct row *row) {
     struct moving *m = moving;
     for (int c = 0; c < m->lines; c++) {
-        double *S = m->g->engine->implicit.sum(m->g, row->block, c) + row->at;
+        double *S = m->g->diffusion.sum[m->g->diffusion.last][row->block] + c * m->g->diffusion.wide + row->at;
         for (int i = 0; i < row->n; i++)
             *(m->to_sums ? &S[i] : &m->x[i * m->lines + c]) = m->to_sums ? m->x[i * m->lines + c] : S[i];
     }
@@ -125,16 +125,15 @@ static status first_number(const struct gas *g, int cells, long *first) {
 struct linking { /* context of the visitors of rows that number and link cells */
     const struct gas *g;
     double **number;
-    int cells, links; /* their numbers on this rank */
+    int cells, links; /* their number on this rank, and no less than that of links */
     struct links *out;
 };
 
 static void number_row(void *linking, const struct row *row) {
     struct linking *l = linking;
-    for (int i = 0; i < row->n; i++) {
-        l->number[row->block][row->at + i] = l->cells++;
-        for (int k = 0; l->g->engine->implicit.across(l->g, row->block, row->at + i, k) != NO_FACE; k++) l->links++;
-    }
+    struct sides s;
+    for (int i = 0; i < row->n; i++) l->number[row->block][row->at + i] = l->cells++;
+    for (int k = 0; l->g->engine->state.sides(l->g, row, k, &s); k++) l->links += row->n;
 }
 
 static void link_row(void *linking, const struct row *row) {
@@ -142,11 +141,12 @@ static void link_row(void *linking, const struct row *row) {
     const double *number = l->number[row->block];
     struct links *out = l->out;
     for (int i = 0; i < row->n; i++) {
+        const struct row cell = {row->block, row->at + i, 1};
+        struct sides s;
         int n = out->first[out->cells];
-        long other;
         out->column[n++] = (int)number[row->at + i];
-        for (int k = 0; (other = l->g->engine->implicit.across(l->g, row->block, row->at + i, k)) != NO_FACE; k++)
-            if (other >= 0) out->column[n++] = (int)number[other];
+        for (int k = 0; l->g->engine->state.sides(l->g, &cell, k, &s); k++)
+            if (s.edge[0] < 0) out->column[n++] = (int)number[s.across[0]];
         out->first[++out->cells] = n;
     }
 }
@@ -165,7 +165,7 @@ static status make_links(const struct gas *g, struct links *out) {
     if (!s) s = allocate(&out->column, l.cells + l.links, sizeof(int), "the links of cells");
     for (int b = 0; b < g->blocks.n; b++)
         for (long i = 0; i < g->size; i++) l.number[b][i] += (double)first;
-    g->engine->state.fill(g, 1, l.number);
+    g->engine->state.fill(g, 1, 1, l.number);
     if (!s) g->engine->state.rows(g, EVERY_CELL, NULL, link_row, &l);
     line_free(g, l.number);
     return s;
@@ -269,29 +269,16 @@ struct weighing { /* context of matrix_row: the entries of unknown c, and where 
     double per, *mass, *energy, *weight;
 };
 
-/* Sets the last S of a row to 1 in unknown c, to 0 in others. */
-static void unit_row(void *weighing, const struct row *row) {
-    const struct weighing *w = weighing;
-    const struct gas *g = w->p->gas;
-    for (int c = 0; c < w->p->system.unknowns; c++) {
-        double *S = g->engine->implicit.sum(g, row->block, c) + row->at;
-        for (int i = 0; i < row->n; i++) S[i] = c == w->c;
-    }
-}
-
-/* Writes the weights of the links of a cell; S is that of unit_row, and what follows from it beyond patches. */
+/* Writes the weights of the links of a cell. */
 static void weigh_cell(struct weighing *w, int block, long at, double mass) {
     const struct problem *p = w->p;
-    const struct implicit_hooks *hooks = &p->gas->engine->implicit;
+    const struct row cell = {block, at, 1};
     double *self = w->weight++, sum = mass;
-    long other;
-    for (int k = 0; (other = hooks->across(p->gas, block, at, k)) != NO_FACE; k++) {
-        double jump[MAX_DIM] = {0};
-        jump[w->c] = 1;
-        for (int c = 0; c < p->system.unknowns && other < 0; c++) jump[c] -= hooks->sum(p->gas, block, c)[~other];
-        const double weight = hooks->weight(p->gas, p->what, w->per, block, at, k, w->c, jump);
+    struct sides s;
+    for (int k = 0; p->gas->engine->state.sides(p->gas, &cell, k, &s); k++) {
+        const double weight = p->gas->engine->diffusion.weight(p->gas, p->what, w->per, block, at, k, w->c);
         sum += weight;
-        if (other >= 0) *w->weight++ = -weight;
+        if (s.edge[0] < 0) *w->weight++ = -weight;
     }
     *self = sum;
 }
@@ -321,8 +308,6 @@ static void find_matrix(struct implicit *m, struct problem *p) {
     for (w.c = 0; w.c < p->system.unknowns; w.c++) {
         w.mass = m->mass;
         w.energy = m->limit;
-        g->engine->state.rows(g, EVERY_CELL, NULL, unit_row, &w);
-        g->engine->implicit.beyond(g, p->what);
         g->engine->state.rows(g, EVERY_CELL, NULL, matrix_row, &w);
     }
 }

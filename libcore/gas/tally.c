@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Keeps the lines of tally.h over the parts of a step; the engines fill them. */
+/* Keeps the lines of tally.h over the parts of a step; the engines fill them. A bed is booked here. */
 #include "libcore/gas/gas_private.h"
 
 #include <stdlib.h>
@@ -14,8 +14,8 @@ static void free_lines(double *const line[MAX_VAR]) {
 }
 
 static status make(struct gas *g, struct tally *t) {
-    TRY(g->engine->tally.make(g, t));
-    if (!t->borrowed) TRY(make_lines(t->stage, g->nvar, t->faces));
+    t->faces = g->patches.sides;
+    TRY(make_lines(t->stage, g->nvar, t->faces));
     TRY(make_lines(t->flow, g->nvar, t->faces));
     TRY(make_lines(t->last[0], g->nvar, t->faces));
     if (!g->models.transport) return OK;
@@ -41,8 +41,7 @@ status gas_tally(struct gas *g) {
 void tally_free(struct tally *t) {
     if (!t) return;
     double *const *const all[] = {t->stage, t->flow, t->passed, t->mark, t->last[0], t->last[1]};
-    for (size_t i = t->borrowed; i < sizeof all / sizeof *all; i++) free_lines(all[i]);
-    free(t->first);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free_lines(all[i]);
     free(t->warm);
     free(t);
 }
@@ -64,15 +63,26 @@ void tally_add(const struct tally *t, double weight, const double *flux, double 
     for (int i = 0; i < t->faces; i++) to[i] += weight * flux[i];
 }
 
-void tally_stage(struct gas *g, double weight) {
+status tally_stage(struct gas *g, double weight, double *force) {
     const struct tally *t = g->books.tally;
-    if (!t) return;
+    if (!t) return OK;
     for (int v = 0; v < g->nvar; v++) tally_add(t, weight, t->stage[v], t->flow[v]);
-    if (g->engine->tally.still) g->engine->tally.still(g, weight);
+    return g->engine->tally.rest ? g->engine->tally.rest(g, weight, force) : OK;
 }
 
+/* Sets `flow` through the faces of cells of the bed, whose stages are given up, to what the bed exchanged over dt. In
+ * an explicit step adds that, which is friction alone. */
 void tally_bed(struct gas *g, double dt) {
-    if (g->books.tally) g->engine->tally.bed(g, dt);
+    const struct bed_set *bed = g->dense->bed.home;
+    for (int i = 0; i < g->dense->borders && g->books.tally; i++) {
+        const struct dense_border *b = &g->dense->border[i];
+        const double area = g->blocks.area ? g->blocks.area[b->through] : 1;
+        if (b->edge < 0) continue;
+        for (int v = 0; v < g->nvar; v++) {
+            double *flow = &g->books.tally->flow[v][b->edge];
+            *flow = (g->step.hybrid ? 0 : *flow) + g->patches.side[b->edge].out * (dt * area * bed->kept[v][b->face]);
+        }
+    }
 }
 
 void tally_mark(struct gas *g, bool back) {
@@ -95,7 +105,16 @@ void tally_keep(struct gas *g, double dt) {
     t->dt = dt;
 }
 
-void tally_face(const struct gas *g, int i, double scale, struct gas_face *out) {
+struct showing { /* context of show_edge */
+    const struct gas *g;
+    gas_face_visitor *visit;
+    void *context;
+};
+
+/* Fills a face's numbers, rates of the last step, and shows it. */
+static void show_edge(void *showing, int i, double scale, struct gas_face *out) {
+    const struct showing *s = showing;
+    const struct gas *g = s->g;
     const struct tally *t = g->books.tally;
     const double per = t->dt > 0 ? scale / t->dt : 0;
     out->mass = per * t->last[0][0][i];
@@ -106,6 +125,7 @@ void tally_face(const struct gas *g, int i, double scale, struct gas_face *out) 
     out->energy = per * t->last[0][energy_at(g)][i];
     out->work = t->last[1][0] ? per * t->last[1][g->nvar - 2][i] : 0;
     out->heat = t->last[1][0] ? per * t->last[1][energy_at(g)][i] : 0;
+    s->visit(s->context, out);
 }
 
 double gas_tally_step(const struct gas *g) {
@@ -113,5 +133,5 @@ double gas_tally_step(const struct gas *g) {
 }
 
 void gas_tally_faces(const struct gas *g, int block, gas_face_visitor *visit, void *context) {
-    if (g->books.tally) g->engine->tally.visit(g, block, visit, context);
+    if (g->books.tally) g->engine->state.edges(g, block, show_edge, &(struct showing){g, visit, context});
 }

@@ -5,8 +5,8 @@
  * on, and what a bed of implicit acoustics exchanges. It is kept on request (gas_tally), else it costs nothing; the gas
  * has the same bits with it.
  *
- * An engine has a line of numbers over the faces of patches of this rank's cells, in an order of its own, and adds to
- * the lines of the attempt in hand wherever it moves the state by such a face. What leaves the gas counts positive.
+ * An engine adds to the lines of the attempt in hand wherever it moves the state by a face of a patch. What leaves the
+ * gas counts positive.
  * Parts that are done again are taken back to the last note; a step that stands becomes the `last` one. */
 #ifndef LIBCORE_TALLY_H
 #define LIBCORE_TALLY_H
@@ -14,10 +14,8 @@
 #include "libcore/gas/gas.h"
 
 struct tally {
-    int faces;                /* on this rank */
-    int *first;               /* belongs to the engine: where its parts begin in the lines, or NULL */
+    int faces;                /* on this rank, in the order of g->patches.side */
     double *stage[MAX_VAR];   /* [nvar][faces] fluxes of the stage in hand */
-    bool borrowed;            /* do the lines of `stage` belong to the engine? */
     double *flow[MAX_VAR];    /* [nvar][faces] by the stages and the bed: mass, momentum, energy */
     double *passed[MAX_VAR];  /* [nvar][faces] by diffusion: momentum, work of the stress, heat */
     double *mark[MAX_VAR];    /* `passed` at the last note */
@@ -27,23 +25,15 @@ struct tally {
 };
 
 struct tally_hooks {
-    /* Sets t->faces and, if it has them, t->first and t->stage. */
-    status (*make)(const struct gas *g, struct tally *t);
-    /* Takes from `flow` weight times what the fluxes of the last stage have of gas at rest; NULL: nothing. */
-    void (*still)(struct gas *g, double weight);
-    /* Sets `flow` through the faces of cells of the bed, whose stages are given up, to what the bed exchanged over dt.
-     * In an explicit step it adds that instead, which is friction alone.
-     */
-    void (*bed)(struct gas *g, double dt);
-    /* Visits the faces of a block with their values in the last step (gas_tally_faces). */
-    void (*visit)(const struct gas *g, int block, gas_face_visitor *visit, void *context);
-    /* Sums what a state at rest is balanced with in the last stage, force[dim] (N). Collective; NULL: nothing. */
-    status (*rest)(const struct gas *g, double force[MAX_DIM]);
+    /* Takes from `flow` weight times what the fluxes of the last stage have of gas at rest, and sums what such gas is
+     * balanced with, force[dim] (N; NULL: it is not wanted). Collective if it is. NULL: there is none. */
+    status (*rest)(struct gas *g, double weight, double *force);
 };
 
 /* The parts, in the order of a step. All do nothing if g->books.tally is NULL. */
 void tally_begin(struct gas *g); /* an attempt at a step begins */
-void tally_stage(struct gas *g, double weight);
+/* force: as tally_hooks.rest says. */
+status tally_stage(struct gas *g, double weight, double *force);
 void tally_bed(struct gas *g, double dt);
 /* Notes the sums of diffusion before a part of it that may be done again. back: returns to the last note first, because
  * the part is done again. */
@@ -54,7 +44,5 @@ void tally_keep(struct gas *g, double dt); /* the attempt stands */
 void tally_free(struct tally *t);
 /* Adds weight times a line of fluxes to a line. */
 void tally_add(const struct tally *t, double weight, const double *flux, double *to);
-/* Fills a face's numbers from place i of the lines: rates of the last step, times `scale`. */
-void tally_face(const struct gas *g, int i, double scale, struct gas_face *out);
 
 #endif

@@ -77,8 +77,7 @@ static status make_state(const struct gas *g, struct state *s) {
     TRY(allocate(&s->varied, f->ntiles, sizeof(struct span *), "tiles"));
     TRY(allocate(&s->narrow, f->ntiles, sizeof *s->narrow, "tiles"));
     TRY(allocate(&s->calm, f->ntiles, sizeof *s->calm, "tiles"));
-    for (int t = 0; t < f->ntiles; t++)
-        TRY(allocate(&s->varied[t], s->nspans, sizeof(struct span), "spans"));
+    for (int t = 0; t < f->ntiles; t++) TRY(allocate(&s->varied[t], s->nspans, sizeof(struct span), "spans"));
     activity_reset(g, s);
     return OK;
 }
@@ -103,6 +102,7 @@ static status tiles_make(struct gas *g) {
     TRY(make_work(g));
     TRY(seams_make(g));
     TRY(fronts_make(g));
+    TRY(tiles_edges_make(g));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
 
@@ -126,8 +126,8 @@ static void tiles_free(struct gas *g) {
     free_work(&x->work);
     seams_free(g);
     fronts_free(g);
-    void *single[] = {x->activity.differ,  x->activity.active, x->activity.needed,
-                      x->activity.crossed, x->activity.quiet,  x};
+    void *single[] = {
+        x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed, x->activity.quiet, x->edge, x};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
 }
 
@@ -169,8 +169,8 @@ static void tiles_rows(const struct gas *g, enum extent extent, const struct sta
     }
 }
 
-static void tiles_fill(const struct gas *g, int n, double *const *block) {
-    forest_fill(g->forest, n, block);
+static void tiles_fill(const struct gas *g, int layers, int n, double *const *block) {
+    forest_fill_layers(g->forest, layers, n, block);
 }
 
 void tiles_place(const struct gas *g, int tile, long offset, double place[3]) {
@@ -250,20 +250,20 @@ static void tiles_speed(struct gas *g, struct gas_speed *speed) {
     fronts_speed(g, speed);
 }
 
-/* Rates of diffusion are found with the 1/rho that is still kept. */
-static void tiles_rates(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate) {
+static void tiles_speeds(struct gas *g, const struct state *s, const struct row *row, struct row_speeds *out) {
     const struct work *w = &g->tiles->work;
-    const size_t bytes = (size_t)row->n * sizeof *rate;
-    double diffusing[2][BATCH];
-    if (what != OF_FLOW) {
-        tiles_diffusion_rates_row(g, row->block, row->at, row->n, diffusing);
-        memcpy(rate, diffusing[what], bytes);
-        return;
-    }
+    const size_t bytes = (size_t)row->n * sizeof(double);
     primitives_of_row(g, s->block[row->block], row->at, row->n);
-    memset(rate, 0, bytes);
-    for (int k = 0; k < g->dim; k++)
-        rate_row(row->n, 1 / g->forest->width[k], w->velocity[k] + row->at, w->c + row->at, rate);
+    memcpy(out->eps, w->eps + row->at, bytes);
+    memcpy(out->p, w->p + row->at, bytes);
+    memset(out->thin, 0, bytes);
+    memset(out->flow, 0, bytes);
+    for (int k = 0; k < g->dim; k++) {
+        const double inverse = 1 / g->forest->width[k], *u = w->velocity[k] + row->at;
+        rate_row(row->n, inverse, u, w->c + row->at, out->thin);
+        for (int i = 0; i < row->n; i++) out->flow[i] += fabs(u[i]) * inverse;
+    }
+    memcpy(out->rate, out->thin, bytes);
 }
 
 const struct engine engine_lattice = {
@@ -274,31 +274,21 @@ const struct engine engine_lattice = {
               .unfold = activity_unfold,
               .fill = tiles_fill,
               .place = tiles_place,
+              .sides = tiles_sides,
+              .edges = tiles_edges,
+              .ghosts = tiles_near_ghosts,
               .speed = tiles_speed,
-              .rates = tiles_rates,
+              .speeds = tiles_speeds,
               .shear_rate = tiles_shear_rate},
     .stage = {.fronts = tiles_fronts, .stage = tiles_stage, .ends = true, .redo = tiles_redo},
     .diffusion = {.rates = tiles_diffusion_rates,
-                  .ghosts = tiles_diffusion_ghosts,
                   .begin = tiles_diffusion_begin,
                   .stage = tiles_diffusion_stage,
                   .end = tiles_diffusion_end,
                   .cross = tiles_diffusion_cross,
                   .spread = tiles_diffusion_spread,
-                  .plain = tiles_diffusion_plain},
-    .implicit = {.across = tiles_implicit_across,
-                 .sum = tiles_implicit_sum,
-                 .beyond = tiles_implicit_beyond,
-                 .weight = tiles_implicit_weight},
-    .bed = {.make = tiles_bed_make,
-            .free = tiles_bed_free,
-            .rings = tiles_bed_rings,
-            .speeds = tiles_bed_speeds,
-            .fill = tiles_bed_fill,
-            .list = tiles_bed_list,
-            .keep = tiles_bed_keep,
-            .spread = tiles_bed_spread},
-    .tally = {.make = tiles_tally_make, .bed = tiles_tally_bed, .visit = tiles_tally_visit},
+                  .weight = tiles_implicit_weight},
+    .bed = {.make = tiles_bed_make, .list = tiles_bed_list},
     .carried = {.make = tiles_carried_make,
                 .free = tiles_carried_free,
                 .bed = tiles_carried_bed,

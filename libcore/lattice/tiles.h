@@ -69,7 +69,7 @@ struct tiles {
     struct activity activity;
     struct seams seams;
     struct fronts *fronts;     /* libcore/lattice/tiles_fronts.c; NULL: nothing is done about fronts */
-    struct tiles_bed *bed;     /* libcore/lattice/tiles_bed.c; NULL without implicit acoustics */
+    int *edge;                 /* [ntiles * 6] number of the first face of a side that is a patch; else -1 */
     struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */
 };
 
@@ -82,10 +82,8 @@ void tiles_shear_rate(struct gas *g, const struct state *s); /* libcore/lattice/
 
 status tiles_diffuser_make(struct gas *g);
 void tiles_diffuser_free(struct gas *g);
-void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
-/* Computes the rates of n cells of a tile from `at` on, with 1/rho as the last tiles_diffusion_rates found it. */
-void tiles_diffusion_rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]);
-void tiles_diffusion_ghosts(struct gas *g, const struct state *s);
+void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2], const struct state *each);
+void tiles_near_ghosts(struct gas *g, const struct state *s);
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);
@@ -94,12 +92,7 @@ long tiles_diffusion_end(struct gas *g, enum diffusing what, const struct state 
 void tiles_diffusion_cross(struct gas *g, const struct state *to, double dt);
 void tiles_diffusion_spread(const struct gas *g, const struct state *from, const struct state *to,
                             const struct row *row, double *spread);
-void tiles_diffusion_plain(struct gas *g);
-long tiles_implicit_across(const struct gas *g, int tile, long at, int k);
-double *tiles_implicit_sum(const struct gas *g, int tile, int c);
-void tiles_implicit_beyond(struct gas *g, enum diffusing what);
-double tiles_implicit_weight(const struct gas *g, enum diffusing what, double per, int tile, long at, int k, int c,
-                             const double jump[MAX_DIM]);
+double tiles_implicit_weight(struct gas *g, enum diffusing what, double per, int tile, long at, int k, int c);
 
 status blocks_make(const struct forest *f, int nvar, double ***out);
 void blocks_free(const struct forest *f, double **blocks);
@@ -255,13 +248,7 @@ void seams_end(struct gas *g, int tile);
 
 /* The bed of implicit acoustics (libcore/lattice/tiles_bed.c). */
 status tiles_bed_make(struct gas *g);
-void tiles_bed_free(struct gas *g);
-void tiles_bed_rings(struct gas *g);
-void tiles_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *out);
-void tiles_bed_fill(struct gas *g, const struct state *from);
 status tiles_bed_list(struct gas *g);
-void tiles_bed_keep(struct gas *g, double weight);
-void tiles_bed_spread(struct gas *g, const double *per_block, double *raised);
 /* Has the step in hand a bed with cells in the tile? */
 bool tiles_hold_bed(const struct gas *g, int tile);
 /* The span of a row of such a tile, `row` being the offset of its first cell, outside of which its n cells are
@@ -270,12 +257,12 @@ struct span tiles_moving_span(const struct gas *g, int tile, long row, int n);
 /* Notes the fluxes through a strip of such a tile. */
 void tiles_note_fluxes(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
 
+/* The sides of cells, and the faces of patches (libcore/lattice/tiles_edges.c): hooks of libcore/gas/engine.h. */
+status tiles_edges_make(struct gas *g);
+bool tiles_sides(const struct gas *g, const struct row *row, int k, struct sides *out);
+void tiles_edges(const struct gas *g, int block, edge_face_visitor *visit, void *context);
+
 /* Fluxes through patches (libcore/lattice/tiles_tally.c). */
-status tiles_tally_make(const struct gas *g, struct tally *t);
-void tiles_tally_bed(struct gas *g, double dt);
-void tiles_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context);
-/* The place in the lines of the face at a side of a tile, which is a patch, that the cell at `offset` has. */
-int tiles_tally_place(const struct gas *g, int tile, int side, long offset);
 /* Gives all faces of a tile the flux of its background, before a stage of it; then notes the fluxes of a strip. */
 void tiles_tally_begin(struct gas *g, int tile, const double *U);
 void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);

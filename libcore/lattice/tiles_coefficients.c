@@ -16,6 +16,8 @@ status tiles_diffuser_make(struct gas *g) {
     for (int t = 0; t < g->forest->ntiles && g->diffusion.terms.diagonal; t++)
         memset(d->keep[t], 0, (size_t)(g->dim * g->forest->size) * sizeof(double));
     TRY(blocks_make(g->forest, 1, &d->light));
+    for (int i = 0; i < 2; i++) g->diffusion.sum[i] = d->sum[i];
+    g->diffusion.wide = g->size;
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
     TRY(tiles_turn_make(g));
     return g->diffusion.terms.cross ? blocks_make(g->forest, g->dim + 1, &d->cross) : OK;
@@ -129,7 +131,8 @@ KERNEL static void add_rates(int n, long step, long size, const double *restrict
     }
 }
 
-void tiles_diffusion_rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]) {
+/* Computes the rates of n cells of a tile from `at` on, with the 1/rho that is kept. */
+static void rates_row(const struct gas *g, int tile, long at, int n, double (*rate)[BATCH]) {
     const struct forest *f = g->forest;
     const struct diffuser *d = g->tiles->diffuser;
     const double factor[2] = {1, temperature_of(&g->models.material, 1)}, *light = d->light[tile] + at;
@@ -145,14 +148,17 @@ void tiles_diffusion_rates_row(const struct gas *g, int tile, long at, int n, do
         for (int i = 0; i < n; i++) rate[what][i] = factor[what] * rate[what][i] * light[i];
 }
 
-static void tile_rates(const struct gas *g, int tile, const double *rho, double most[2]) {
+/* each: two lines of the tile, or NULL */
+static void tile_rates(const struct gas *g, int tile, const double *rho, double most[2], double *each) {
     const int *n = g->forest->tile[tile].n;
     double *light = g->tiles->diffuser->light[tile], rate[2][BATCH];
     for (int k = 0; k < n[2]; k++)
         for (int j = 0; j < n[1]; j++) {
             const long at = row_at(g->forest, j, k);
             for (int i = 0; i < n[0]; i++) light[at + i] = 1 / rho[at + i];
-            tiles_diffusion_rates_row(g, tile, at, n[0], rate);
+            rates_row(g, tile, at, n[0], rate);
+            for (int what = 0; what < 2 && each; what++)
+                memcpy(each + what * g->size + at, rate[what], (size_t)n[0] * sizeof *each);
             for (int what = 0; what < 2; what++)
                 for (int i = 0; i < n[0]; i++) most[what] = larger(rate[what][i], most[what]);
         }
@@ -261,7 +267,7 @@ static void wall_edge(struct gas *g, int tile, const struct edge *e, const void 
     }
 }
 
-void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
+void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2], const struct state *each) {
     const struct forest *f = g->forest;
     most[0] = most[1] = 0;
     g->tiles->diffuser->plain = g->diffusion.terms.diagonal;
@@ -278,6 +284,6 @@ void tiles_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
         runs_visit(f, &f->tile[t], 1, coefficient_visit, &v);
         tile_faces(g, t, Y0->block[t]);
         edges_visit(g, t, wall_edge, Y0->block[t]);
-        tile_rates(g, t, Y0->block[t], most);
+        tile_rates(g, t, Y0->block[t], most, each ? each->block[t] : NULL);
     }
 }

@@ -24,11 +24,10 @@ struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins w
     double **face;     /* FACE_LINES * dim: coefficients of the face below a cell */
     double **cross;    /* dim: cross/h d rho/dx on the face below a cell, then 1: cross of cells; NULL: no such term */
     double **light;    /* 1: 1/rho */
-    double **keep;     /* dim: while `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
+    double **keep;     /* dim: if `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
     double **wall;     /* WALL_LINES */
     double **turn;     /* TURN_LINES; NULL: the mesh is none of a body of revolution */
-    bool plain;        /* `keep` counts, until the next rates */
-    int last;          /* which of the two sums is that of the last stage */
+    bool plain;        /* `keep` counts */
 };
 
 /* Components of u, or T alone. */
@@ -108,5 +107,9 @@ void tiles_tally_cross(struct gas *g, double dt);
 /* Ghosts of S: from the neighbours, and by the rules of patches; of the stress the derivatives along the tile's sides,
  * too. weight: struct diffusion_hooks. */
 void tiles_fill_sums(struct gas *g, enum diffusing what, double weight);
+/* Makes the ghost of the last S beyond the face of a cell on a patch. */
+void tiles_sums_beyond(struct gas *g, enum diffusing what, double weight, int tile, int side, long at);
+/* If fluxes are to be plain (g->diffusion.plain), finds on which faces. */
+void tiles_plain_faces(struct gas *g);
 
 #endif

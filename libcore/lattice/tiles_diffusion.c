@@ -338,8 +338,8 @@ static sweep_function *const sweeps[2][3][3] = {
 
 static void sweep_tile(struct sweep *s) {
     const struct diffuser *d = s->g->tiles->diffuser;
-    s->S = d->sum[d->last][s->tile];
-    s->next = d->sum[1 - d->last][s->tile];
+    s->S = d->sum[s->g->diffusion.last][s->tile];
+    s->next = d->sum[1 - s->g->diffusion.last][s->tile];
     sweeps[d->turn != NULL][s->g->dim - 1][s->g->components - s->g->dim](s, d->plain);
 }
 
@@ -351,7 +351,7 @@ void tiles_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
     tiles_fill_sums(g, what, weight);
     for (int t = 0; t < g->forest->ntiles; t++)
         sweep_tile(&(struct sweep){.g = g, .what = what, .tile = t, .c = factor});
-    g->tiles->diffuser->last = 1 - g->tiles->diffuser->last;
+    g->diffusion.last = 1 - g->diffusion.last;
 }
 
 struct ending_sums { /* what slide_edge needs */
@@ -363,7 +363,7 @@ struct ending_sums { /* what slide_edge needs */
 static void slide_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct ending_sums *ending = context;
     const long size = g->forest->size, face = e->to > e->from ? e->to : e->from;
-    const double *S = g->tiles->diffuser->sum[g->tiles->diffuser->last][tile], *wall = g->tiles->diffuser->wall[tile];
+    const double *S = g->diffusion.sum[g->diffusion.last][tile], *wall = g->tiles->diffuser->wall[tile];
     const double *shear = g->tiles->diffuser->face[tile] + (FACE_LINES * e->normal + SHEAR) * size;
     const double turn = edge_turn(g, tile, e), wide = edge_widens(g, tile, e);
     if (!wall_slides(e->rules)) return;
@@ -432,7 +432,8 @@ static void plain_faces(struct gas *g, int tile) {
     }
 }
 
-void tiles_diffusion_plain(struct gas *g) {
+void tiles_plain_faces(struct gas *g) {
+    if (!g->diffusion.plain) return;
     for (int t = 0; t < g->forest->ntiles; t++) plain_faces(g, t);
     g->tiles->diffuser->plain = true;
 }

@@ -49,12 +49,14 @@ static bool beyond_counts(const struct gas *g, const struct tile *t) {
 void tiles_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending) {
     const struct forest *f = g->forest;
     struct diffuser *d = g->tiles->diffuser;
+    if (what == VISCOUS) tiles_plain_faces(g);
     for (int t = 0; t < f->ntiles; t++) {
         struct beginning b = {g, what, Y0, t, pending};
         const bool beyond = beyond_counts(g, &f->tile[t]);
         if (beyond) ghosts_of_patches(g, t, Y0->block[t], GHOSTS, NULL);
         runs_visit(f, &f->tile[t], beyond, begin_visit, &b);
-        first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[d->last][t], d->sum[1 - d->last][t]);
+        first_sums(lines_of(g, what) * f->size, factor, d->start[t], d->sum[g->diffusion.last][t],
+                   d->sum[1 - g->diffusion.last][t]);
     }
 }
 
@@ -67,7 +69,7 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     const struct fill *fill = context;
     const long size = g->forest->size;
     const int lines = lines_of(g, fill->what);
-    double *S = g->tiles->diffuser->sum[g->tiles->diffuser->last][tile], inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH],
+    double *S = g->diffusion.sum[g->diffusion.last][tile], inner[MAX_DIM][BATCH], start[MAX_DIM][BATCH],
            ghost[MAX_DIM][BATCH], share[1][BATCH];
     struct sum_line line = {
         e->n, lines, fill->what == VISCOUS ? e->normal : -1, e->face, fill->weight, share[0], inner, start, ghost};
@@ -82,8 +84,17 @@ static void sum_edge(struct gas *g, int tile, const struct edge *e, const void *
     put_edge(size, e, lines, ghost, S);
 }
 
-void tiles_implicit_beyond(struct gas *g, enum diffusing what) {
-    for (int t = 0; t < g->forest->ntiles; t++) edges_visit(g, t, sum_edge, &(struct fill){what, 0});
+void tiles_sums_beyond(struct gas *g, enum diffusing what, double weight, int tile, int side, long at) {
+    const struct side *s = &g->forest->tile[tile].side[side];
+    const long step = g->forest->stride[side / 2];
+    const struct edge e = {.rules = &g->patches.rules[s->patch],
+                           .normal = side / 2,
+                           .n = 1,
+                           .from = at,
+                           .to = side % 2 ? at + step : at - step,
+                           .step = 1,
+                           .face = s->face + face_at_side(g->forest, tile, side, at)};
+    sum_edge(g, tile, &e, &(struct fill){what, weight});
 }
 
 /* Ghosts of the derivatives along a patch: they follow its rule for velocity. */
@@ -135,7 +146,7 @@ static void find_gradients(struct gas *g) {
     const struct forest *f = g->forest;
     struct diffuser *d = g->tiles->diffuser;
     for (int t = 0; t < f->ntiles; t++)
-        side_gradients(f, &f->tile[t], d->sum[d->last][t], turn_line(g, t, 0), d->gradient[t]);
+        side_gradients(f, &f->tile[t], d->sum[g->diffusion.last][t], turn_line(g, t, 0), d->gradient[t]);
     forest_fill_derivatives(g->forest, d->gradient);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
 }
@@ -143,7 +154,7 @@ static void find_gradients(struct gas *g) {
 void tiles_fill_sums(struct gas *g, enum diffusing what, double weight) {
     const struct forest *f = g->forest;
     const struct fill fill = {what, weight};
-    forest_fill_layers(g->forest, 1, lines_of(g, what), g->tiles->diffuser->sum[g->tiles->diffuser->last]);
+    forest_fill_layers(g->forest, 1, lines_of(g, what), g->diffusion.sum[g->diffusion.last]);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, sum_edge, &fill);
     if (what == VISCOUS && g->dim > 1) find_gradients(g);
 }

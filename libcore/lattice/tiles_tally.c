@@ -1,31 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fluxes through the faces of patches on a lattice (libcore/gas/tally.h). The lines go tile by tile and side by side,
- * the lower axis along a side fastest; they hold fluxes per area. A face that is not computed, because its cells and
- * their neighbours are the background, has the background's own flux. */
+/* Fluxes through the faces of patches on a lattice (libcore/gas/tally.h), per area. A face that is not computed,
+ * because its cells and their neighbours are the background, has the background's own flux. */
 #include "libcore/lattice/tiles_diffuser.h"
 
-status tiles_tally_make(const struct gas *g, struct tally *t) {
-    const struct forest *f = g->forest;
-    TRY(allocate(&t->first, 6L * f->ntiles, sizeof *t->first, "the fluxes through patches"));
-    for (int i = 0; i < 6 * f->ntiles; i++) {
-        const struct tile *tile = &f->tile[i / 6];
-        const int axis = i % 6 / 2;
-        t->first[i] = -1;
-        if (axis >= g->dim || tile->side[i % 6].patch < 0) continue;
-        t->first[i] = t->faces;
-        t->faces += tile->n[0] * tile->n[1] * tile->n[2] / tile->n[axis];
-    }
-    return OK;
-}
-
-int tiles_tally_place(const struct gas *g, int tile, int side, long offset) {
-    return g->books.tally->first[6 * tile + side] + face_at_side(g->forest, tile, side, offset);
-}
-
-/* The place in the lines of the first face of an edge. */
+/* The number of the first face of an edge. */
 static int place_of(const struct gas *g, int tile, const struct edge *e) {
     const int side = 2 * e->normal + (e->to > e->from);
-    return g->books.tally->first[6 * tile + side] + (int)(e->face - g->forest->tile[tile].side[side].face);
+    return g->tiles->edge[6 * tile + side] + (int)(e->face - g->forest->tile[tile].side[side].face);
 }
 
 void tiles_tally_begin(struct gas *g, int tile, const double *U) {
@@ -34,7 +15,7 @@ void tiles_tally_begin(struct gas *g, int tile, const double *U) {
     const int *n = f->tile[tile].n;
     primitives_of_row(g, U, 0, 1);
     for (int side = 0; side < 2 * g->dim; side++) {
-        const int axis = side / 2, first = g->books.tally->first[6 * tile + side];
+        const int axis = side / 2, first = g->tiles->edge[6 * tile + side];
         const double u = w->velocity[axis][0], p = w->p[0];
         for (int v = 0; v < g->nvar && first >= 0; v++) {
             double flux = U[v * f->size] * u + (v == axis + 1 ? p : v == energy_at(g) ? p * u : 0);
@@ -57,8 +38,8 @@ void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int
 
 void tiles_tally_stress(struct gas *g, int tile, int side, long inner, int n, double per, const double *lines,
                         int length) {
-    if (g->books.tally->first[6 * tile + side] < 0) return;
-    const int to = tiles_tally_place(g, tile, side, inner);
+    if (g->tiles->edge[6 * tile + side] < 0) return;
+    const int to = g->tiles->edge[6 * tile + side] + face_at_side(g->forest, tile, side, inner);
     const double h = side % 2 ? -g->forest->width[side / 2] : g->forest->width[side / 2];
     for (int v = 0; v <= g->components; v++)
         for (int i = 0; i < n; i++)
@@ -80,7 +61,7 @@ static void add_heat(struct gas *g, int tile, const struct edge *e, double per, 
 
 static void heat_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
     const struct diffuser *d = g->tiles->diffuser;
-    const double *S = d->sum[d->last][tile];
+    const double *S = d->sum[g->diffusion.last][tile];
     const long size = g->forest->size, face = e->to > e->from ? e->to : e->from, step = g->forest->stride[e->normal];
     const double *coefficient = d->face[tile] + (FACE_LINES * e->normal + CONDUCTION) * size;
     double gain[BATCH] = {0};
@@ -106,34 +87,4 @@ static void cross_edge(struct gas *g, int tile, const struct edge *e, const void
 
 void tiles_tally_cross(struct gas *g, double dt) {
     for (int t = 0; t < g->forest->ntiles; t++) edges_visit(g, t, cross_edge, &dt);
-}
-
-/* Visits the faces that a block has at one side of its tile. */
-static void visit_side(const struct gas *g, const struct forest_block *b, int side, gas_face_visitor *visit,
-                       void *context) {
-    const struct forest *f = g->forest;
-    const struct tile *t = &f->tile[b->tile];
-    const int axis = side / 2, across = side < 2 ? 1 : 0, deep = side < 4 ? 2 : 1;
-    const int first = g->books.tally->first[6 * b->tile + side];
-    struct gas_face face = {.patch = t->side[side].patch, .area = f->volume / f->width[axis]};
-    if (f->radial == axis) face.area *= forest_radius(f, b->low[axis] + (side % 2 ? b->n[axis] : 0));
-    const double area = face.area;
-    face.normal[axis] = side % 2 ? 1 : -1;
-    face.centre[axis] = f->origin[axis] + (b->low[axis] + (side % 2 ? b->n[axis] : 0)) * f->width[axis];
-    for (int k = 0; k < b->n[deep]; k++)
-        for (int j = 0; j < b->n[across]; j++) {
-            const int at[2] = {f->step[across] ? j : 0, f->step[deep] ? k : 0};
-            if (across < f->dim)
-                face.centre[across] = f->origin[across] + (b->low[across] + j + 0.5) * f->width[across];
-            if (deep < f->dim) face.centre[deep] = f->origin[deep] + (b->low[deep] + k + 0.5) * f->width[deep];
-            if (f->radial >= 0 && f->radial == across) face.area = area * forest_radius(f, b->low[across] + j + 0.5);
-            tally_face(g, first + at[1] * t->n[across] + at[0], face.area, &face);
-            visit(context, &face);
-        }
-}
-
-void tiles_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context) {
-    const struct forest_block *b = &g->forest->block[block];
-    for (int side = 0; side < 2 * g->dim; side++)
-        if (g->books.tally->first[6 * b->tile + side] >= 0) visit_side(g, b, side, visit, context);
 }

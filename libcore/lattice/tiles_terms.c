@@ -66,7 +66,7 @@ void tiles_diffusion_spread(const struct gas *g, const struct state *from, const
         add_half_spread(row->n, f, both[i]->block[row->block] + row->at, turn ? turn + row->at : NULL, spread);
 }
 
-void tiles_diffusion_ghosts(struct gas *g, const struct state *s) {
+void tiles_near_ghosts(struct gas *g, const struct state *s) {
     forest_fill_layers(g->forest, 1, g->nvar, s->block);
     for (int t = 0; t < g->forest->ntiles; t++) ghosts_of_patches(g, t, s->block[t], GHOSTS, NULL);
 }

@@ -20,7 +20,8 @@ static status make_lines(struct gas *g) {
         TRY(allocate(&states[i]->block, 1, sizeof(double *), "the state"));
         TRY(allocate(&states[i]->block[0], (long)g->nvar * m->size + SLACK, sizeof(double), "the state"));
     }
-    for (int v = 0; v < g->nvar; v++) TRY(allocate(&c->flux[v], m->face.n + SLACK, sizeof(double), "fluxes"));
+    TRY(allocate(&c->flux[0], g->nvar * g->blocks.faces, sizeof(double), "fluxes"));
+    for (int v = 1; v < g->nvar; v++) c->flux[v] = c->flux[0] + v * g->blocks.faces;
     for (int k = 0; k < g->dim; k++) TRY(allocate(&c->girth[k], m->nown, sizeof(double), "cells"));
     double **single[] = {&c->inverse_volume, &c->total_girth, &c->line};
     for (int i = 0; i < 3; i++) TRY(allocate(single[i], m->nown, sizeof(double), "cells"));
@@ -100,7 +101,7 @@ static void cells_free(struct gas *g) {
     cells_rest_free(c->rest);
     cells_rules_free(c->rules);
     cells_fronts_free(c->fronts);
-    for (int v = 0; v < MAX_VAR; v++) free(c->flux[v]);
+    free(c->flux[0]);
     for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
     free(c->inverse_volume);
     free(c->total_girth);
@@ -123,8 +124,9 @@ static void cells_rows(const struct gas *g, enum extent extent, const struct sta
     for (int at = 0; at < end; at += BATCH) visit(context, &(struct row){0, at, end - at < BATCH ? end - at : BATCH});
 }
 
-static void cells_fill(const struct gas *g, int n, double *const *block) {
+static void cells_fill(const struct gas *g, int layers, int n, double *const *block) {
     double *line[MAX_VAR];
+    (void)layers;
     for (int v = 0; v < n; v++) line[v] = block[0] + v * g->size;
     polyhedra_fill_start(g->cells->polyhedra, n, line);
     polyhedra_fill_finish(g->cells->polyhedra);
@@ -163,11 +165,12 @@ KERNEL static void rate_line(int n, int dim, int components, const struct cells_
     for (int i = 0; i < n; i++) fast[i] = sqrt(fast[i]) + q->c[i];
 }
 
-static void rate_batch(const struct gas *g, int from, int n, struct cells_primitives *q, double *rate, double *fast) {
+static void rate_batch(const struct gas *g, const struct state *s, int from, int n, struct cells_primitives *q,
+                       double *rate, double *fast) {
     const struct cells *c = g->cells;
     double *girth[MAX_DIM];
     for (int k = 0; k < g->dim; k++) girth[k] = c->girth[k] + from;
-    cells_primitives(g, n, g->U.block[0] + from, q);
+    cells_primitives(g, n, s->block[0] + from, q);
     rate_line(n, g->dim, g->components, q, girth, c->total_girth + from, rate, fast);
 }
 
@@ -178,7 +181,7 @@ static void cells_speed(struct gas *g, struct gas_speed *speed) {
     for (int from = 0; from < m->nown; from += BATCH) {
         int n = m->nown - from < BATCH ? m->nown - from : BATCH;
         const double *rho = g->U.block[0] + from;
-        rate_batch(g, from, n, &q, rate, fast);
+        rate_batch(g, &g->U, from, n, &q, rate, fast);
         for (int i = 0; i < n; i++) {
             most[0] = larger(most[0], rate[i]);
             most[1] = larger(most[1], rho[i] < PACKED * g->limits.most ? rate[i] : 0);
@@ -191,71 +194,72 @@ static void cells_speed(struct gas *g, struct gas_speed *speed) {
         .rate = most[0], .loose = most[1], .axis = {most[2], most[2], most[2]}, .low = least, .high = most[3]};
 }
 
-static void cells_rates(struct gas *g, enum rate what, const struct state *s, const struct row *row, double *rate) {
+/* flow = sum_k |u_k| girth_k, thin = flow + c total_girth */
+static void cells_speeds(struct gas *g, const struct state *s, const struct row *row, struct row_speeds *out) {
+    const struct cells *c = g->cells;
     double fast[BATCH];
     struct cells_primitives q;
-    if (what == OF_FLOW)
-        rate_batch(g, (int)row->at, row->n, &q, rate, fast);
-    else
-        cells_diffusion_rates_row(g, (enum diffusing)what, s->block[0], row, rate);
-}
-
-static status cells_tally_rest(const struct gas *g, double force[MAX_DIM]) {
-    for (int k = 0; k < MAX_DIM; k++) {
-        force[k] = 0;
-        if (k >= g->dim || !g->cells->rest) continue;
-        cells_rest_added(g, k, g->cells->line);
-        TRY(sum_raised(g, g->cells->line, &force[k]));
+    rate_batch(g, s, (int)row->at, row->n, &q, out->rate, fast);
+    for (int i = 0; i < row->n; i++) {
+        const long at = row->at + i;
+        out->eps[i] = q.eps[i];
+        out->p[i] = q.p[i];
+        out->flow[i] = 0;
+        for (int k = 0; k < g->dim; k++) out->flow[i] += fabs(q.velocity[k][i]) * c->girth[k][at];
+        out->thin[i] = out->flow[i] + q.c[i] * c->total_girth[at];
     }
-    return OK;
 }
 
-const struct engine engine_polyhedral = {.state = {.make = cells_make,
-                                                   .free = cells_free,
-                                                   .cells = cells_of_block,
-                                                   .rest = cells_rest,
-                                                   .rows = cells_rows,
-                                                   .fill = cells_fill,
-                                                   .place = cells_place,
-                                                   .speed = cells_speed,
-                                                   .rates = cells_rates,
-                                                   .shear_rate = cells_shear_rate},
-                                         .stage = {.fronts = cells_fronts, .stage = cells_stage, .redo = cells_redo},
-                                         .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
-                                                       .cooled_first = true,
-                                                       .rates = cells_diffusion_rates,
-                                                       .ghosts = cells_diffusion_ghosts,
-                                                       .begin = cells_diffusion_begin,
-                                                       .stage = cells_diffusion_stage,
-                                                       .end = cells_diffusion_end,
-                                                       .cross = cells_diffusion_cross,
-                                                       .spread = cells_diffusion_spread,
-                                                       .plain = cells_diffusion_plain},
-                                         .bed = {.make = cells_bed_make,
-                                                 .free = cells_bed_free,
-                                                 .rings = cells_bed_rings,
-                                                 .speeds = cells_bed_speeds,
-                                                 .fill = cells_bed_fill,
-                                                 .list = cells_bed_list,
-                                                 .balance = cells_bed_balance,
-                                                 .keep = cells_bed_keep,
-                                                 .spread = cells_bed_spread},
-                                         .tally = {.make = cells_tally_make,
-                                                   .still = cells_tally_still,
-                                                   .bed = cells_tally_bed,
-                                                   .visit = cells_tally_visit,
-                                                   .rest = cells_tally_rest},
-                                         .carried = {.make = cells_carried_make,
-                                                     .free = cells_carried_free,
-                                                     .bed = cells_carried_bed,
-                                                     .fill = cells_carried_fill,
-                                                     .fill_phi = cells_carried_fill_phi,
-                                                     .rise = cells_carried_rise,
-                                                     .terms = cells_carried_terms,
-                                                     .most_out = cells_carried_most_out,
-                                                     .slopes = cells_carried_slopes,
-                                                     .move = cells_carried_move},
-                                         .implicit = {.across = cells_implicit_across,
-                                                      .sum = cells_implicit_sum,
-                                                      .beyond = cells_implicit_beyond,
-                                                      .weight = cells_implicit_weight}};
+static bool cells_sides(const struct gas *g, const struct row *row, int k, struct sides *out) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    bool any = false;
+    for (int i = 0; i < row->n; i++) {
+        const int cell = (int)row->at + i, entry = m->face_start[cell] + k;
+        const bool has = entry < m->face_start[cell + 1];
+        const int face = has ? m->face_of_cell[entry] : NO_SIDE;
+        const int edge = face < m->face.ninternal ? -1 : face - m->face.ninternal; /* there cells are on the left */
+        out->across[i] = has ? cells_across(m, entry) : cell;
+        out->face[i] = face;
+        out->edge[i] = edge;
+        if (edge >= 0) out->patch[i] = (struct patch_face){m->face.patch[edge], m->face.place[edge]};
+        any |= has;
+    }
+    return any;
+}
+
+const struct engine engine_polyhedral = {
+    .state = {.make = cells_make,
+              .free = cells_free,
+              .cells = cells_of_block,
+              .rest = cells_rest,
+              .rows = cells_rows,
+              .fill = cells_fill,
+              .place = cells_place,
+              .sides = cells_sides,
+              .edges = cells_edges,
+              .ghosts = cells_near_ghosts,
+              .speed = cells_speed,
+              .speeds = cells_speeds,
+              .shear_rate = cells_shear_rate},
+    .stage = {.fronts = cells_fronts, .stage = cells_stage, .redo = cells_redo},
+    .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
+                  .cooled_first = true,
+                  .rates = cells_diffusion_rates,
+                  .begin = cells_diffusion_begin,
+                  .stage = cells_diffusion_stage,
+                  .end = cells_diffusion_end,
+                  .cross = cells_diffusion_cross,
+                  .spread = cells_diffusion_spread,
+                  .weight = cells_implicit_weight},
+    .bed = {.make = cells_bed_make, .list = cells_bed_list, .balance = cells_bed_balance},
+    .tally = {.rest = cells_tally_rest},
+    .carried = {.make = cells_carried_make,
+                .free = cells_carried_free,
+                .bed = cells_carried_bed,
+                .fill = cells_carried_fill,
+                .fill_phi = cells_carried_fill_phi,
+                .rise = cells_carried_rise,
+                .terms = cells_carried_terms,
+                .most_out = cells_carried_most_out,
+                .slopes = cells_carried_slopes,
+                .move = cells_carried_move}};

@@ -193,14 +193,8 @@ bool cells_fronts_floor(const struct gas *g, int n, const int *face, double *flo
 /* ---- implicit acoustics (libcore/polyhedral/cells_bed.c): the hooks of libcore/gas/engine.h ---- */
 
 status cells_bed_make(struct gas *g);
-void cells_bed_free(struct gas *g);
-void cells_bed_rings(struct gas *g);
-void cells_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *out);
-void cells_bed_fill(struct gas *g, const struct state *from);
 status cells_bed_list(struct gas *g);
 void cells_bed_balance(struct gas *g, const struct state *from);
-void cells_bed_keep(struct gas *g, double weight);
-void cells_bed_spread(struct gas *g, const double *per_block, double *raised);
 
 /* Carried quantities (libcore/polyhedral/cells_carried.c): the hooks of libcore/gas/carried.h; cells_carry notes the
  * fluxes of mass of a stage. */
@@ -216,12 +210,11 @@ void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struc
 void cells_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 void cells_carry(struct gas *g);
 
-/* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks of libcore/gas/tally.h; and what diffusion
- * passes on, by the fluxes in hand. */
-status cells_tally_make(const struct gas *g, struct tally *t);
-void cells_tally_still(struct gas *g, double weight);
-void cells_tally_bed(struct gas *g, double dt);
-void cells_tally_visit(const struct gas *g, int block, gas_face_visitor *visit, void *context);
+/* Fluxes through patches (libcore/polyhedral/cells_tally.c): the hooks `edges` and `rest`; the fluxes of a stage; what
+ * diffusion passes on, by the fluxes in hand. */
+void cells_edges(const struct gas *g, int block, edge_face_visitor *visit, void *context);
+status cells_tally_rest(struct gas *g, double weight, double *force);
+void cells_tally_stage(struct gas *g);
 void cells_tally_diffusion(struct gas *g, enum diffusing what, double dt);
 void cells_tally_cross(struct gas *g, double dt);
 
@@ -236,10 +229,8 @@ void cells_shear_rate(struct gas *g, const struct state *s);
 
 status cells_diffuser_make(struct gas *g);
 void cells_diffuser_free(struct cells_diffuser *d);
-void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]);
-void cells_diffusion_rates_row(const struct gas *g, enum diffusing what, const double *rho, const struct row *row,
-                               double *rate);
-void cells_diffusion_ghosts(struct gas *g, const struct state *s);
+void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2], const struct state *each);
+void cells_near_ghosts(struct gas *g, const struct state *s);
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending);
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
                            double weight);
@@ -248,11 +239,6 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
 void cells_diffusion_cross(struct gas *g, const struct state *to, double dt);
 void cells_diffusion_spread(const struct gas *g, const struct state *from, const struct state *to,
                             const struct row *row, double *spread);
-void cells_diffusion_plain(struct gas *g);
-long cells_implicit_across(const struct gas *g, int block, long at, int k);
-double *cells_implicit_sum(const struct gas *g, int block, int c);
-void cells_implicit_beyond(struct gas *g, enum diffusing what);
-double cells_implicit_weight(const struct gas *g, enum diffusing what, double per, int block, long at, int k, int c,
-                             const double jump[MAX_DIM]);
+double cells_implicit_weight(struct gas *g, enum diffusing what, double per, int block, long at, int k, int c);
 
 #endif

@@ -12,8 +12,7 @@ static const double SKEWEST = 0.05;
 struct cells_bed {
     struct bed_shapes shapes; /* of the mesh: each face and each cell has a shape of its own */
     struct bed_round round;
-    double *memory, *flat; /* of the arms and depths; of what `round` has of faces */
-    int *face;             /* [faces] the bed's face; -1: none */
+    int *face; /* [faces] the bed's face; -1: none */
 };
 
 /* A mirror's centre is the cell's, reflected in the plane of the face. */
@@ -55,10 +54,11 @@ static status make_round(struct gas *g, struct cells_bed *b) {
     const struct polyhedra *m = g->cells->polyhedra;
     const long faces = m->face.n;
     if (m->round.radial < 0) return OK;
-    TRY(allocate(&b->flat, (1 + 2 * g->dim) * faces, sizeof(double), "the bed"));
-    b->round = (struct bed_round){.radial = m->round.radial, .radius = m->round.radius, .flat = b->flat};
+    double *flat;
+    TRY(pool_take(&g->dense->pool, &flat, (1 + 2 * g->dim) * faces, sizeof(double), "the bed"));
+    b->round = (struct bed_round){.radial = m->round.radial, .radius = m->round.radius, .flat = flat};
     for (int side = 0; side < 2; side++)
-        for (int k = 0; k < g->dim; k++) b->round.mid[side][k] = b->flat + (1 + side * g->dim + k) * faces;
+        for (int k = 0; k < g->dim; k++) b->round.mid[side][k] = flat + (1 + side * g->dim + k) * faces;
     for (int f = 0; f < m->face.n; f++) measure_round(m, b, f);
     b->shapes.round = &b->round;
     return OK;
@@ -68,11 +68,12 @@ static status make_shapes(struct gas *g, struct cells_bed *b) {
     const struct polyhedra *m = g->cells->polyhedra;
     const long faces = m->face.n;
     struct bed_shapes *s = &b->shapes;
-    TRY(allocate(&b->memory, 2 * (g->dim + 1) * faces, sizeof(double), "the bed"));
+    double *memory;
+    TRY(pool_take(&g->dense->pool, &memory, 2 * (g->dim + 1) * faces, sizeof(double), "the bed"));
     *s = (struct bed_shapes){.volume = m->volume, .area = m->face.area};
     for (int k = 0; k < g->dim; k++) s->normal[k] = m->face.normal[k];
     for (int side = 0; side < 2; side++) {
-        s->depth[side] = b->memory + side * (g->dim + 1) * faces;
+        s->depth[side] = memory + side * (g->dim + 1) * faces;
         for (int k = 0; k < g->dim; k++) s->arm[side][k] = s->depth[side] + (k + 1) * faces;
     }
     for (int f = 0; f < m->face.n; f++) measure_face(m, s, f);
@@ -85,62 +86,17 @@ status cells_bed_make(struct gas *g) {
     struct cells_bed *b;
     g->dense->own = m->nown;
     TRY(bed_make(&g->dense->bed, m->nblocks));
-    TRY(allocate(&b, 1, sizeof *b, "the bed"));
+    TRY(pool_take(&g->dense->pool, &b, 1, sizeof *b, "the bed"));
     g->cells->bed = b;
     for (int i = 0; i < m->nown; i++) {
         const int sides = m->face_start[i + 1] - m->face_start[i];
         g->dense->sides = sides > g->dense->sides ? sides : g->dense->sides;
     }
-    TRY(allocate(&b->face, m->face.n, sizeof(int), "the bed"));
+    TRY(pool_take(&g->dense->pool, &b->face, m->face.n, sizeof(int), "the bed"));
+    TRY(pool_take(&g->dense->pool, &g->dense->place, m->nblocks, sizeof(int), "the bed"));
+    for (int i = 0; i < m->nblocks; i++) g->dense->place[i] = m->block_cell[m->block_start[i]];
+    g->dense->flux[0] = g->cells->flux[0];
     return make_shapes(g, b);
-}
-
-void cells_bed_free(struct gas *g) {
-    struct cells_bed *b = g->cells ? g->cells->bed : NULL;
-    if (!b) return;
-    free(b->memory);
-    free(b->flat);
-    free(b->face);
-    free(b);
-}
-
-/* ---- the parts ---- */
-
-static void fill_lines(struct gas *g, int n, double *const *line) {
-    polyhedra_fill_start(g->cells->polyhedra, n, line);
-    polyhedra_fill_finish(g->cells->polyhedra);
-}
-
-/* Marks the frozen, live and outer cells around the dense ones (enum bed_part). Mirrors belong to no part. */
-void cells_bed_rings(struct gas *g) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double *part = g->dense->part[0];
-    for (int level = BED_FROZEN; level >= BED_OUTER; level--) {
-        const double least = level == BED_FROZEN ? BED_DENSE : level;
-        fill_lines(g, 1, g->dense->part);
-        for (int i = 0; i < m->nown; i++) {
-            if (part[i] > 0) continue;
-            for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++)
-                if (part[cells_across(m, j)] > least) part[i] = level;
-            g->dense->holds[0] |= part[i] > 0;
-        }
-    }
-    fill_lines(g, 1, g->dense->part);
-}
-
-/* flow = sum_k |u_k| girth_k, thin = flow + c total_girth (cells.c: rate_line) */
-void cells_bed_speeds(struct gas *g, const struct row *row, struct bed_speeds *out) {
-    const struct cells *c = g->cells;
-    struct cells_primitives q;
-    cells_primitives(g, row->n, g->U.block[0] + row->at, &q);
-    for (int i = 0; i < row->n; i++) {
-        const long at = row->at + i;
-        out->eps[i] = q.eps[i];
-        out->p[i] = q.p[i];
-        out->flow[i] = 0;
-        for (int k = 0; k < g->dim; k++) out->flow[i] += fabs(q.velocity[k][i]) * c->girth[k][at];
-        out->thin[i] = out->flow[i] + q.c[i] * c->total_girth[at];
-    }
 }
 
 /* ---- the lists ---- */
@@ -185,24 +141,19 @@ static void list_cells(struct gas *g) {
     }
 }
 
-/* Returns the bed's face for a face of the mesh, which is made. */
-static int list_face(struct gas *g, int face) {
+/* Returns the bed's face for the k-th face of a cell, which is made. */
+static int list_face(struct gas *g, int cell, int k, int face) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const struct cells_bed *b = g->cells->bed;
-    struct dense *d = g->dense;
-    struct bed_set *bed = d->bed.home;
-    if (b->face[face] >= 0) return b->face[face];
-    const int at = b->face[face] = bed->faces++, left = f->left[face], right = f->right[face];
+    const struct row row = {0, cell, 1};
+    struct bed_set *bed = g->dense->bed.home;
+    struct sides s;
+    if (g->cells->bed->face[face] >= 0) return g->cells->bed->face[face];
+    const int at = g->cells->bed->face[face] = bed->faces++;
+    (void)g->engine->state.sides(g, &row, k, &s);
     bed->shape[at] = face;
-    bed->left[at] = d->number[0][left] - 1;
-    bed->right[at] = d->number[0][right] - 1;
-    bed->kind[at] = BED_INNER;
-    if (bed->left[at] >= 0 && bed->right[at] >= 0) return at;
-    const int i = face - f->ninternal;
-    const struct patch_face patch = i < 0 ? (struct patch_face){-1, 0} : (struct patch_face){f->patch[i], f->place[i]};
-    bed->kind[at] = (unsigned char)dense_kind(g, patch.patch);
-    const bool in = bed->left[at] >= 0;
-    d->border[d->borders++] = (struct dense_border){at, 0, in ? left : right, in ? right : left, patch};
+    bed->left[at] = g->dense->number[0][f->left[face]] - 1;
+    bed->right[at] = g->dense->number[0][f->right[face]] - 1;
+    dense_border(g, &row, &s, 0, at);
     return at;
 }
 
@@ -212,11 +163,11 @@ static void list_faces(struct gas *g) {
     int entry = 0;
     for (int i = 0; i < m->face.n; i++) g->cells->bed->face[i] = -1;
     for (int i = 0; i < bed->cells; i++) {
+        const int cell = bed->body[i], *face = m->face_of_cell + m->face_start[cell];
         bed->face_start[i] = entry;
-        for (int j = m->face_start[bed->body[i]]; j < m->face_start[bed->body[i] + 1]; j++) {
-            const int face = m->face_of_cell[j];
-            bed->face_of_cell[entry++] = face < 0 ? ~list_face(g, ~face) : list_face(g, face);
-        }
+        for (int k = 0; k < m->face_start[cell + 1] - m->face_start[cell]; k++)
+            bed->face_of_cell[entry++] =
+                face[k] < 0 ? ~list_face(g, cell, k, ~face[k]) : list_face(g, cell, k, face[k]);
     }
     bed->face_start[bed->cells] = entry;
 }
@@ -224,21 +175,11 @@ static void list_faces(struct gas *g) {
 status cells_bed_list(struct gas *g) {
     const int sides = list_blocks(g);
     const struct bed_set *bed = g->dense->bed.home;
-    TRY(dense_list(g, OK, bed->first[bed->blocks], sides));
+    TRY(dense_list(g, bed->first[bed->blocks], sides));
     list_cells(g);
     polyhedra_fill_int(g->cells->polyhedra, g->dense->number[0]);
     list_faces(g);
     return OK;
-}
-
-/* ---- to and from the cells ---- */
-
-void cells_bed_fill(struct gas *g, const struct state *from) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double *U[MAX_VAR];
-    cells_lines(g, from, U);
-    fill_lines(g, g->nvar, U);
-    cells_mirrors(g, 0, m->face.n - m->face.ninternal, U);
 }
 
 /* A state at rest has the pressures of the explicit scheme on its faces. */
@@ -257,24 +198,4 @@ void cells_bed_balance(struct gas *g, const struct state *from) {
             for (int k = 0; k < g->dim; k++) fall += g->models.source.gravity[k] * bed->shapes->arm[side][k][face];
             bed->balance[side][f] = cell < m->nnear ? cells_rest_miss(g, face, cell, fall) : 0;
         }
-}
-
-void cells_bed_keep(struct gas *g, double weight) {
-    const struct bed_set *bed = g->dense->bed.home;
-    for (int i = 0; i < g->dense->borders; i++) {
-        const int f = g->dense->border[i].face, face = bed->shape[f];
-        if (bed->kind[f] != BED_KEPT) continue;
-        for (int v = 0; v < g->nvar; v++)
-            bed->kept[v][f] += weight * g->cells->flux[v][face] / g->cells->polyhedra->face.area[face];
-    }
-}
-
-/* The first cell of a block stands for all of them. */
-void cells_bed_spread(struct gas *g, const double *per_block, double *raised) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    memset(raised, 0, (size_t)m->nown * sizeof *raised);
-    for (int b = 0; b < m->nblocks; b++) {
-        const int cell = m->block_cell[m->block_start[b]];
-        raised[cell] = per_block[b] / m->volume[cell];
-    }
 }

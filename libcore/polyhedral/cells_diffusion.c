@@ -64,7 +64,12 @@ status cells_diffuser_make(struct gas *g) {
     struct cells_diffuser *d;
     TRY(allocate(&d, 1, sizeof *d, "diffusion"));
     g->cells->diffuser = d;
-    for (int i = 0; i < 2; i++) TRY(lines_allocate(d->sum[i], g->components, size));
+    for (int i = 0; i < 2; i++) {
+        TRY(lines_allocate(d->sum[i], 1, g->components * size));
+        for (int c = 1; c < g->components; c++) d->sum[i][c] = d->sum[i][0] + c * size;
+        g->diffusion.sum[i] = d->sum[i];
+    }
+    g->diffusion.wide = size;
     TRY(lines_allocate(d->start, g->components, size));
     TRY(lines_allocate(d->gradient, g->dim * g->components, size));
     TRY(lines_allocate(d->cell, 3, size));
@@ -93,7 +98,7 @@ status cells_diffuser_make(struct gas *g) {
 
 void cells_diffuser_free(struct cells_diffuser *d) {
     if (!d) return;
-    for (int i = 0; i < 2; i++) lines_drop(d->sum[i], MAX_DIM);
+    for (int i = 0; i < 2; i++) free(d->sum[i][0]);
     lines_drop(d->start, MAX_DIM);
     lines_drop(d->gradient, MAX_DIM * MAX_DIM);
     lines_drop(d->cell, 3);
@@ -122,11 +127,11 @@ void cells_diffuser_free(struct cells_diffuser *d) {
 
 static void fill_state(struct gas *g, const struct state *s, double *U[MAX_VAR]) {
     cells_lines(g, s, U);
-    g->engine->state.fill(g, g->nvar, s->block);
+    g->engine->state.fill(g, GHOSTS, g->nvar, s->block);
     cells_mirrors(g, 0, g->cells->polyhedra->mirror.n, U);
 }
 
-void cells_diffusion_ghosts(struct gas *g, const struct state *s) {
+void cells_near_ghosts(struct gas *g, const struct state *s) {
     double *U[MAX_VAR];
     fill_state(g, s, U);
 }
@@ -184,16 +189,17 @@ static void cell_rates(const struct gas *g, int i, double rho, double rate[2]) {
     rate[1] = temperature_of(&g->models.material, per) * sum[1];
 }
 
-static void find_rates(const struct gas *g, const double *rho, double most[2]) {
+static void find_rates(const struct gas *g, const double *rho, double most[2], double *each) {
     double rate[2];
     most[0] = most[1] = 0;
     for (int i = 0; i < g->cells->polyhedra->nown; i++) {
         cell_rates(g, i, rho[i], rate);
         for (int what = 0; what < 2; what++) most[what] = larger(rate[what], most[what]);
+        for (int what = 0; what < 2 && each; what++) each[what * g->size + i] = rate[what];
     }
 }
 
-void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]) {
+void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2], const struct state *each) {
     const struct polyhedra *m = g->cells->polyhedra;
     struct cells_diffuser *d = g->cells->diffuser;
     double *U[MAX_VAR];
@@ -205,16 +211,7 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     if (d->cross) cells_cross_coefficients(g, U[0]);
     cells_wall_shares(g, U, d->T, d->cell, d->cross ? d->start[0] : NULL, &d->wall);
     if (d->cross) cells_cross_faces(g, U[0]);
-    find_rates(g, U[0], most);
-}
-
-void cells_diffusion_rates_row(const struct gas *g, enum diffusing what, const double *rho, const struct row *row,
-                               double *rate) {
-    for (int i = 0; i < row->n; i++) {
-        double both[2];
-        cell_rates(g, (int)row->at + i, rho[row->at + i], both);
-        rate[i] = both[what];
-    }
+    find_rates(g, U[0], most, each ? each->block[0] : NULL);
 }
 
 /* ---- S and its gradients ------------------------------------------------------------------------------------------
@@ -225,27 +222,28 @@ void cells_diffusion_rates_row(const struct gas *g, enum diffusing what, const d
 void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct state *Y0, double factor, double pending) {
     struct cells_diffuser *d = g->cells->diffuser;
     const int size = g->cells->polyhedra->size;
-    cells_diffusion_ghosts(g, Y0);
+    cells_near_ghosts(g, Y0);
+    if (what == VISCOUS && g->diffusion.plain && d->cross) cells_cross_drop(g);
     for (int at = 0; at < size; at += BATCH) {
         const int n = size - at < BATCH ? size - at : BATCH;
         double *q[MAX_DIM] = {NULL};
         for (int v = 0; v < lines_of(g, what); v++) q[v] = d->start[v] + at;
         start_row(g, what, Y0, &(struct row){0, at, n}, pending, q);
         for (int v = 0; v < lines_of(g, what); v++)
-            for (int i = 0; i < n; i++) d->sum[d->last][v][at + i] = factor * q[v][i];
+            for (int i = 0; i < n; i++) d->sum[g->diffusion.last][v][at + i] = factor * q[v][i];
     }
 }
 
 static void find_gradients(struct gas *g, enum diffusing what, int from, int to) {
     const struct cells_diffuser *d = g->cells->diffuser;
     if (g->dim == 1 || from >= to || (what == HEAT && !d->skewed)) return;
-    cells_gradients(g->dim, &d->weights, lines_of(g, what), from, to, d->sum[d->last], d->gradient);
+    cells_gradients(g->dim, &d->weights, lines_of(g, what), from, to, d->sum[g->diffusion.last], d->gradient);
 }
 
 /* ---- fluxes and what they move ------------------------------------------------------------------------------------
  */
 
-struct sides { /* a batch of faces, and the cells on both sides */
+struct face_batch { /* a batch of faces, and the cells on both sides */
     int n;
     const int *left, *right;
     const double *share, *inverse,
@@ -257,7 +255,7 @@ struct sides { /* a batch of faces, and the cells on both sides */
     double *hoop;         /* stress around the axis, times the area */
 };
 
-ALWAYS_INLINE void take_jumps(const struct sides *f, const double *restrict q, double *restrict jump,
+ALWAYS_INLINE void take_jumps(const struct face_batch *f, const double *restrict q, double *restrict jump,
                               double *restrict mean) {
     const int *restrict left = f->left, *restrict right = f->right;
     for (int i = 0; i < f->n; i++) {
@@ -267,7 +265,7 @@ ALWAYS_INLINE void take_jumps(const struct sides *f, const double *restrict q, d
     }
 }
 
-ALWAYS_INLINE void take_mean(const struct sides *f, const double *restrict q, double *restrict mean) {
+ALWAYS_INLINE void take_mean(const struct face_batch *f, const double *restrict q, double *restrict mean) {
     const int *restrict left = f->left, *restrict right = f->right;
     for (int i = 0; i < f->n; i++) {
         const double a = q[left[i]], b = q[right[i]];
@@ -279,11 +277,12 @@ ALWAYS_INLINE void take_mean(const struct sides *f, const double *restrict q, do
 /* With the gradient G = M + n (a - n.M) of the head of this file, M the mean and a = n.G: the force of the left cell on
  * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. The components c of u from dim on, up to
  * m, lie along axes without derivatives: their force is -mu a_c alone. */
-ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct sides *f, double *const *S,
+ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct face_batch *f, double *const *S,
                                  double *const *gradient, double *const *out) {
     double a[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH], found[MAX_DIM + 1][BATCH];
     double stretch[BATCH] = {0}, trace[BATCH] = {0};
-    const struct sides g = *f; /* neither this nor `found` is seen from outside, or compilers expect them to overlap */
+    const struct face_batch g =
+        *f; /* neither this nor `found` is seen from outside, or compilers expect them to overlap */
     for (int c = 0; c < m; c++) take_jumps(f, S[c], a[c], at[c]);
     for (int i = 0; i < dim * m && dim > 1; i++) take_mean(f, gradient[i], M[i]);
     for (int c = 0; c < dim; c++) /* short loops, or compilers do not unroll the inner ones */
@@ -320,7 +319,7 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct sides 
     for (int k = 0; k <= m; k++) memcpy(out[k], found[k], (size_t)g.n * sizeof(double));
 }
 
-ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, double *const *gradient,
+ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, const double *S, double *const *gradient,
                               double *restrict out) {
     double jump[BATCH], at[BATCH], M[MAX_DIM][BATCH];
     take_jumps(f, S, jump, at);
@@ -333,7 +332,7 @@ ALWAYS_INLINE void heat_faces(int dim, const struct sides *f, const double *S, d
 }
 
 #define FACES(dim, m)                                                                                                  \
-    KERNEL static void faces_##dim##_##m(enum diffusing what, const struct sides *f, double *const *S,                 \
+    KERNEL static void faces_##dim##_##m(enum diffusing what, const struct face_batch *f, double *const *S,            \
                                          double *const *gradient, double *const *out) {                                \
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, m, false, f, S, gradient, out);                                                         \
@@ -347,7 +346,7 @@ FACES(2, 2)
 FACES(2, 3)
 FACES(3, 3)
 #define ROUND_FACES(dim)                                                                                               \
-    KERNEL static void round_faces_##dim(enum diffusing what, const struct sides *f, double *const *S,                 \
+    KERNEL static void round_faces_##dim(enum diffusing what, const struct face_batch *f, double *const *S,            \
                                          double *const *gradient, double *const *out) {                                \
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, f->components, true, f, S, gradient, out);                                              \
@@ -357,7 +356,7 @@ FACES(3, 3)
 ROUND_FACES(1)
 ROUND_FACES(2)
 
-typedef void faces_function(enum diffusing what, const struct sides *f, double *const *S, double *const *gradient,
+typedef void faces_function(enum diffusing what, const struct face_batch *f, double *const *S, double *const *gradient,
                             double *const *out);
 /* By the dimension and the components of u beyond it; of bodies of revolution by the dimension. */
 static faces_function *const faces_of[3][3] = {
@@ -371,11 +370,11 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
     const struct polyhedra_faces *m = &c->polyhedra->face;
     double keep[BATCH];
     for (int at = first; at < last; at += BATCH) {
-        struct sides f = {.n = last - at < BATCH ? last - at : BATCH,
-                          .left = m->left + at,
-                          .right = m->right + at,
-                          .share = d->share + at,
-                          .inverse = d->inverse + at};
+        struct face_batch f = {.n = last - at < BATCH ? last - at : BATCH,
+                               .left = m->left + at,
+                               .right = m->right + at,
+                               .share = d->share + at,
+                               .inverse = d->inverse + at};
         double *out[MAX_VAR] = {0};
         for (int k = 0; k < g->dim; k++) {
             f.normal[k] = m->normal[k] + at;
@@ -390,9 +389,9 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
                              : 1;
         if (flagged || heat) f.keep = keep;
         f.components = g->components;
-        if (d->turn) cells_turn_faces(g, d->turn, at, f.n, d->sum[d->last], &f.around, &f.hoop);
+        if (d->turn) cells_turn_faces(g, d->turn, at, f.n, d->sum[g->diffusion.last], &f.around, &f.hoop);
         (d->turn ? round_faces_of[g->dim - 1] : faces_of[g->dim - 1][g->components - g->dim])(
-            what, &f, d->sum[d->last], what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
+            what, &f, d->sum[g->diffusion.last], what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
     }
 }
 
@@ -415,7 +414,7 @@ static void flow(struct gas *g, enum diffusing what, double weight) {
                                      what == VISCOUS ? d->wall.drag : d->wall.heat,
                                      d->wall.lift,
                                      (const double *const *)d->start,
-                                     d->sum[d->last]};
+                                     d->sum[g->diffusion.last]};
     polyhedra_fill_start(m, lines_of(g, what), sums.S);
     cells_mirror_sums(g, &sums, 0, own_mirrors);
     find_gradients(g, what, 0, m->ninner);
@@ -452,12 +451,12 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
         for (int v = 0; v < lines_of(g, what); v++) {
             cells_residuals(g->cells, at, n, g->cells->flux[v], M);
             if (d->turn && what == VISCOUS) cells_turn_push(g, d->turn, v, at, n, M);
-            double *next = d->sum[1 - d->last][v] + at;
-            sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[d->last][v] + at, next);
+            double *next = d->sum[1 - g->diffusion.last][v] + at;
+            sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[g->diffusion.last][v] + at, next);
             for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * g->diffusion.friction[0][at + i];
         }
     }
-    d->last = 1 - d->last;
+    g->diffusion.last = 1 - g->diffusion.last;
 }
 
 long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state *Y0, const struct state *to, double dt,
@@ -469,7 +468,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     double M[MAX_DIM + 1][BATCH];
     long count = 0;
     flow(g, what, weight);
-    if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.stays, d->sum[d->last]);
+    if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.stays, d->sum[g->diffusion.last]);
     if (g->books.tally) cells_tally_diffusion(g, what, dt);
     for (int at = 0; at < m->nown; at += BATCH) {
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
@@ -480,8 +479,4 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
         count += move_row(g, &(struct moved){what, {0, at, n}, from, E, to->block[0], dt, M});
     }
     return count;
-}
-
-void cells_diffusion_plain(struct gas *g) {
-    if (g->cells->diffuser->cross) cells_cross_drop(g);
 }

@@ -1,30 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The linear systems of implicit diffusion on polyhedra (hooks of libcore/gas/engine.h). The matrix, from which the
- * preconditioner is made, is that of the jumps along the lines of centres: what gradients add to the fluxes is left
+/* The linear systems of implicit diffusion on polyhedra (hook `weight` of libcore/gas/engine.h). The matrix, from which
+ * the preconditioner is made, is that of the jumps along the lines of centres: what gradients add to the fluxes is left
  * out, and so is what couples the components. */
 #include "libcore/polyhedral/cells_diffuser.h"
 
-long cells_implicit_across(const struct gas *g, int block, long at, int k) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    const int entry = m->face_start[at] + k;
-    (void)block;
-    if (entry >= m->face_start[at + 1]) return NO_FACE;
-    const long other = cells_across(m, entry);
-    return m->face_of_cell[entry] < m->face.ninternal ? other : ~other;
-}
-
-double *cells_implicit_sum(const struct gas *g, int block, int c) {
-    (void)block;
-    return g->cells->diffuser->sum[g->cells->diffuser->last][c];
-}
-
-void cells_implicit_beyond(struct gas *g, enum diffusing what) {
+/* The jump of an S that is 1 in component c of the cell at a face, on a patch if `edge` >= 0. */
+static void jump_of(struct gas *g, enum diffusing what, int cell, int edge, int c, double jump[MAX_DIM]) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_diffuser *d = g->cells->diffuser;
+    double *const *S = d->sum[g->diffusion.last];
+    const int lines = what == VISCOUS ? g->components : 1;
     const struct mirror_sums sums = {
-        what,           0, what == VISCOUS ? d->wall.drag : d->wall.heat, d->wall.lift, (const double *const *)d->start,
-        d->sum[d->last]};
-    cells_mirror_sums(g, &sums, 0, m->face.n - m->face.ninternal);
+        what, 0, what == VISCOUS ? d->wall.drag : d->wall.heat, d->wall.lift, (const double *const *)d->start, S};
+    for (int i = 0; i < lines; i++) jump[i] = i == c;
+    if (edge < 0) return;
+    for (int i = 0; i < lines; i++) S[i][cell] = i == c;
+    cells_mirror_sums(g, &sums, edge, edge + 1);
+    for (int i = 0; i < lines; i++) jump[i] -= S[i][m->ncells + edge];
 }
 
 /* Component c of the flux that a jump between its two cells makes through face i. */
@@ -37,10 +29,11 @@ static double passed(const struct gas *g, enum diffusing what, int i, int c, con
     return (d->face[1][i] * jump[c] + (d->face[0][i] + d->face[1][i]) * normal[c][i] * along) * d->inverse[i];
 }
 
-double cells_implicit_weight(const struct gas *g, enum diffusing what, double per, int block, long at, int k, int c,
-                             const double jump[MAX_DIM]) {
+double cells_implicit_weight(struct gas *g, enum diffusing what, double per, int block, long at, int k, int c) {
     const struct polyhedra *m = g->cells->polyhedra;
     const int entry = m->face_of_cell[m->face_start[at] + k];
+    double jump[MAX_DIM] = {0};
     (void)block;
+    jump_of(g, what, (int)at, entry < m->face.ninternal ? -1 : entry - m->face.ninternal, c, jump);
     return per * passed(g, what, entry < 0 ? ~entry : entry, c, jump);
 }

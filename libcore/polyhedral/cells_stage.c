@@ -419,6 +419,7 @@ static long finish_sweep(struct stage *t) {
     face_fluxes(g, m->face.ninternal, m->face.n, t->U);
     update_chunks(t, g->limits.flags.blocks[0] ? 0 : c->sweep.n, c->sweep.n + 1);
     if (g->carried) cells_carry(g);
+    if (g->books.tally) cells_tally_stage(g);
     g->counts.computed += m->nown;
     g->counts.all += m->nown;
     return t->count;

@@ -183,10 +183,9 @@ void audit_weight(struct gas *g, const struct state *from, double part) {
     book_fall(g, part * totals[0]);
 }
 
-void audit_rest(struct gas *g, double part) {
-    double force[MAX_DIM];
-    if (!g->books.audit || !g->engine->tally.rest) return;
-    note_status(g->books.audit, g->engine->tally.rest(g, force));
+void audit_rest(struct gas *g, double part, const double force[MAX_DIM], status failed) {
+    if (!g->books.audit) return;
+    note_status(g->books.audit, failed);
     for (int k = 0; k < g->dim; k++) g->books.audit->now.pushed[source_gravity_row()][k] += part * force[k];
 }
 
@@ -202,7 +201,7 @@ void audit_dropped(struct gas *g, double part) {
 void audit_friction(struct gas *g) {
     double sum = 0;
     if (!g->books.audit || !g->dense->bed.rub) return;
-    g->engine->bed.spread(g, g->dense->bed.home->rubbed, g->books.audit->rubbed);
+    dense_spread(g, g->dense->bed.home->rubbed, g->books.audit->rubbed);
     note_status(g->books.audit, sum_raised(g, g->books.audit->rubbed, &sum));
     g->books.audit->weight += sum;
     g->books.audit->now.gained[GAS_CONTACTS] += sum;
@@ -212,12 +211,12 @@ void audit_bed(struct gas *g) {
     double sum = 0;
     audit_friction(g);
     if (!g->books.audit || !g->falling.cells) return;
-    g->engine->bed.spread(g, g->dense->bed.home->work, g->falling.dropped);
+    dense_spread(g, g->dense->bed.home->work, g->falling.dropped);
     note_status(g->books.audit, sum_raised(g, g->falling.dropped, &sum));
     book_weight(g, sum);
     for (int k = 0; k < g->components; k++) {
         bed_push(&g->dense->bed, g->step.dt, g->dense->kick, k);
-        g->engine->bed.spread(g, g->dense->bed.home->pushed, g->falling.dropped);
+        dense_spread(g, g->dense->bed.home->pushed, g->falling.dropped);
         note_status(g->books.audit, sum_raised(g, g->falling.dropped, &sum));
         g->books.audit->now.pushed[source_gravity_row()][k] += sum;
     }

@@ -35,8 +35,9 @@ void audit_sourced(struct gas *g, const struct state *now);
  * of the step; and what drop_row added to it. The next audit_part books what else the stages do. */
 void audit_weight(struct gas *g, const struct state *from, double part);
 void audit_dropped(struct gas *g, double part);
-/* Books the forces that balanced a state at rest in the last stage (cells_rest.c), of which `part` reaches the end. */
-void audit_rest(struct gas *g, double part);
+/* Books the forces (N) that balanced a state at rest in the last stage (cells_rest.c), of which `part` reaches the end,
+ * or the error of their sum. */
+void audit_rest(struct gas *g, double part, const double force[MAX_DIM], status failed);
 /* Books the momentum that the density floor gave in a step that stands. */
 status audit_filled(struct gas *g);
 /* Books the work of gravity, and its momentum, in the bed of a step with implicit acoustics. */

@@ -27,8 +27,9 @@ void books_stage(struct gas *g, const struct state *from, double weight) {
 }
 
 void books_staged(struct gas *g, double weight) {
-    tally_stage(g, weight);
-    audit_rest(g, weight);
+    double force[MAX_DIM] = {0};
+    const status failed = tally_stage(g, weight, g->books.audit ? force : NULL);
+    audit_rest(g, weight, force, failed);
 }
 
 void books_limited(struct gas *g, double share) {

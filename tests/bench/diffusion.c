@@ -76,7 +76,7 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
     double best[4] = {1, 1, 1, 1}, rate[2];
     for (int i = 0; i < rounds; i++) {
         const double start = cpu_seconds();
-        g->engine->diffusion.rates(g, &g->U, rate);
+        g->engine->diffusion.rates(g, &g->U, rate, NULL);
         best[3] = smaller(best[3], cpu_seconds() - start);
         const double dt = 1 / larger(rate[0], rate[1]);
         for (int what = 0; what < 2; what++) {

@@ -182,7 +182,7 @@ static inline void drive(struct scene *s, const struct comm *c, enum manufacture
 /* An Euler step of the faster kind of diffusion is just stable with the inverse of this. */
 static inline double fastest(struct scene *s, const struct comm *c) {
     double rate[2];
-    s->gas->engine->diffusion.rates(s->gas, &s->gas->U, rate);
+    s->gas->engine->diffusion.rates(s->gas, &s->gas->U, rate, NULL);
     comm_max(c, rate, 2);
     return larger(rate[0], rate[1]);
 }
@@ -235,7 +235,7 @@ static inline void turn(int dim) {
 static inline void shear(struct scene *s, double dt) {
     struct gas *g = s->gas;
     double rate[2];
-    g->engine->diffusion.rates(g, &g->U, rate);
+    g->engine->diffusion.rates(g, &g->U, rate, NULL);
     g->engine->diffusion.begin(g, VISCOUS, &g->U, dt, 0);
     assert_true(g->engine->diffusion.end(g, VISCOUS, &g->U, &g->U, dt, dt) == 0);
 }

@@ -88,7 +88,7 @@ static void a_hot_thin_cell_adapts(void **state) {
         open_scene(&s, "slip", transport_find("JenkinsRichman"), "implicit");
         start(&s, spot);
         ok(gas_totals(s.gas, before));
-        s.gas->engine->diffusion.rates(s.gas, &s.gas->U, rate);
+        s.gas->engine->diffusion.rates(s.gas, &s.gas->U, rate, NULL);
         comm_max(world, rate, 2);
         spread(&s, stiff ? 2 : 1, (stiff ? 1e8 : 8) / rate[HEAT]);
         ok(gas_totals(s.gas, after));

@@ -21,7 +21,7 @@ static double left_of(const char *diffusion, double z, int steps) {
     set_walls(&s, "slip");
     open_box(&s, world, 2, (int[3]){N, 4, 1}, (double[3]){1, 1, 1}, (bool[3]){true, true, false}, 8);
     start(&s, zigzag);
-    s.gas->engine->diffusion.rates(s.gas, &s.gas->U, rate);
+    s.gas->engine->diffusion.rates(s.gas, &s.gas->U, rate, NULL);
     /* of disks: rho dT/dt = CONDUCTION d2T/dx2, rho du/dt = (BULK_VISCOSITY + VISCOSITY) d2u/dx2, VISCOSITY d2u/dx2 */
     const double coefficient[] = {CONDUCTION, BULK_VISCOSITY + VISCOSITY, VISCOSITY}, rho = 2;
     spread(&s, steps, z / steps / (4 * N * N * coefficient[kind] / rho));
