@@ -34,12 +34,9 @@ struct carried {
     struct carried_quantity *quantity; /* [n] */
     unsigned terms;                    /* of all of them */
     double up[MAX_DIM];                /* unit, against gravity; 0 without it */
-    /* [blocks][faces], lines of the engine: the mass through the faces in the last stage, later what carries phi; the
-     * mass in the attempt so far (kg; on a lattice per area); P and K of the quantity in hand */
-    long faces;
+    /* [blocks][g->blocks.faces]: the mass through the faces in the last stage, later what carries phi; the mass in the
+     * attempt so far (kg; on a lattice per area); P and K of the quantity in hand */
     double **flux, **mass, **exchange, **spread;
-    /* [blocks] of 1 + dim lines of cells, of the engine: phi_f is phi + line 0 + slopes * way to the face */
-    double **slope;
     /* [blocks][size], with a layer of ghosts: rho, the less of before and behind the step; D; f. NULL without terms.
      * rho T and its slope along `up`; NULL unless a kind asks for it */
     double **rho, **D, **f, **stress, **rise;
@@ -50,20 +47,12 @@ struct carried_part {       /* of a step, which is cut into equal parts */
     double from, to, share; /* begin, end and length as fractions of the step */
 };
 
-struct carried_hooks {             /* of an engine */
-    status (*make)(struct gas *g); /* makes the lines over faces and `slope`, and sets `faces` */
-    void (*free)(struct gas *g);
-    /* Sets the mass through the faces of the bed, but kept ones, to what it exchanged over dt. */
-    void (*bed)(struct gas *g, double dt);
-    /* Fills the ghosts of a line of cells, beyond patches with the values of the cells. Collective. */
-    void (*fill)(struct gas *g, double **line);
-    /* Fills the ghosts of phi, beyond patches with its value on the patch. Collective. */
-    void (*fill_phi)(struct gas *g, const struct carried_quantity *q);
-    void (*rise)(struct gas *g);             /* computes g->carried->rise of the filled line `stress` */
-    void (*terms)(struct gas *g, double dt); /* computes P and K of filled lines rho, D and f */
+struct carried_hooks {                       /* of an engine; kernels, whose ghosts are filled */
+    void (*rise)(struct gas *g);             /* computes g->carried->rise of the line `stress` */
+    void (*terms)(struct gas *g, double dt); /* computes P and K of the lines rho, D and f */
     /* Returns the largest over the cells of this rank of what carried_share says. */
     double (*most_out)(const struct gas *g);
-    void (*slopes)(struct gas *g, const struct carried_quantity *q, struct carried_part part); /* with their ghosts */
+    /* Moves phi over a part of a step. Collective. */
     void (*move)(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 };
 

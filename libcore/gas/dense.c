@@ -42,8 +42,9 @@ bool gas_may_be_dense(const struct gas_models *m) {
     return !m->acoustics->automatic || (m->material.threshold > 0 && source_cools(&m->source, &m->material));
 }
 
-static status make_kept(const struct gas *g, struct dense *d) {
-    if (!d->bed.rub) return OK;
+status dense_kept(const struct gas *g) {
+    struct dense *d = g->dense;
+    if (!d || !d->bed.rub) return OK;
     double sides = d->sides;
     comm_max(g->comm, &sides, 1);
     d->sides = (int)sides;
@@ -87,8 +88,7 @@ status dense_make(struct gas *g) {
     }
     TRY(allocate(&d->holds, blocks, sizeof *d->holds, "the bed"));
     TRY(pool_take(&d->pool, &d->flux, blocks, sizeof *d->flux, "the bed"));
-    TRY(comm_agree(g->comm, g->engine->bed.make(g)));
-    return make_kept(g, d);
+    return OK;
 }
 
 void dense_free(struct gas *g) {

@@ -77,8 +77,9 @@ struct sides {         /* a face of each of n <= BATCH cells of a block, as the 
 #define NO_SIDE INT_MIN /* `face` of a cell that has fewer faces than others; its `across` is the cell itself */
 
 struct state_hooks {
-    /* make allocates the states and the work memory of g, whose other members are set; free also undoes a make that
-     * failed. */
+    /* make allocates the states and the work memory of g, whose other members are set; with g->dense it makes the bed
+     * (bed_make), its shapes and what it needs in g->dense->pool, and sets own and sides of g->dense. free also undoes
+     * a make that failed. */
     status (*make)(struct gas *g);
     void (*free)(struct gas *g);
     /* Finds where the cells of a block of the grid are, and the spans of s (NULL: none). */
@@ -161,12 +162,8 @@ struct diffusion_hooks {
  * as they are, so that they see no fast sound; they do advance the two rings, for the sake of the fluxes between the
  * bed and the other cells alone. */
 enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE, BED_HARD };
-/* The implicit acoustics of dense cells; all NULL: the engine has none. A bed is libcore/acoustics/bed.h's, g->dense
- * has it. */
+/* The implicit acoustics of dense cells. A bed is libcore/acoustics/bed.h's, g->dense has it. */
 struct bed_hooks {
-    /* Makes the bed (bed_make), its shapes and what the engine needs in g->dense->pool, and sets g->dense->own, sides.
-     */
-    status (*make)(struct gas *g);
     /* Lists the bed's cells and faces: g->dense->bed.home, row, border, number and place. Collective. */
     status (*list)(struct gas *g);
     /* Takes the numbers that balance a state at rest, `from` filled. NULL: there are none. */

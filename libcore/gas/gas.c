@@ -77,10 +77,11 @@ static status make(const struct gas *like, struct gas **out) {
     if (g->models.alpha_floor > 0)
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
     status s = make_lines(g);
+    if (!s) s = dense_make(g);
     if (!s) s = g->engine->state.make(g);
     if (!s) s = sides_make(g);
     if (!s && g->models.transport && !g->models.diffusion->plan) s = implicit_make(g, &g->diffusion.implicit);
-    if (!s) s = dense_make(g);
+    if (!s) s = dense_kept(g);
     if (!s) s = carried_make(g);
     if (s)
         gas_free(g);

@@ -267,7 +267,9 @@ long implicit_step(struct gas *g, enum diffusing what, const struct state *Y0, c
 
 /* ---- implicit acoustics of dense cells (libcore/gas/dense.c) ---- */
 
+/* dense_make comes before the engine is made, dense_kept behind it. */
 status dense_make(struct gas *g);
+status dense_kept(const struct gas *g);
 /* Lets friction act on the packed gas of `to` over dt, behind an explicit step. Returns whether the result is of use.
  */
 bool dense_rub(struct gas *g, double t, double dt, const struct state *to);
@@ -398,6 +400,8 @@ struct advance {
 /* The radii (m) of n cells of a block of a round lattice, in room[BATCH]: sums per tile are weighted by them. NULL: the
  * mesh is not round. */
 const double *row_radius(const struct gas *g, int block, long at, int n, double *room);
+/* That of a face of a block, by its place in lines over faces; 1 where the mesh is not round. */
+double face_radius(const struct gas *g, int block, long face);
 /* Advances n <= BATCH states by L = residual. */
 void update_rows(const struct gas *g, int n, const struct advance *s);
 /* Adds rho g and rho u.g, the effect of gravity, to the residuals of rho u and E of n <= BATCH cells, but not where

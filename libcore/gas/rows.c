@@ -151,6 +151,13 @@ const double *row_radius(const struct gas *g, int block, long at, int n, double 
     return room;
 }
 
+double face_radius(const struct gas *g, int block, long face) {
+    const struct forest *f = g->forest;
+    if (!f || f->radial < 0) return 1;
+    const double shift = face / f->size == f->radial ? 0 : 0.5;
+    return forest_radius(f, forest_place_along(f, block, face % f->size, f->radial) + shift);
+}
+
 void drop_begin(const struct gas *g) {
     if (g->falling.dropped) memset(g->falling.dropped, 0, (size_t)g->floors.places * sizeof *g->falling.dropped);
     if (g->falling.denser) memset(g->falling.denser, 0, (size_t)g->floors.places * sizeof *g->falling.denser);

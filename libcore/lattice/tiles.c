@@ -103,6 +103,8 @@ static status tiles_make(struct gas *g) {
     TRY(seams_make(g));
     TRY(fronts_make(g));
     TRY(tiles_edges_make(g));
+    if (g->models.ncarried) TRY(blocks_make(g->forest, 1 + g->dim, &g->tiles->slope));
+    if (g->dense) TRY(comm_agree(g->comm, tiles_bed_make(g)));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
 
@@ -126,6 +128,7 @@ static void tiles_free(struct gas *g) {
     free_work(&x->work);
     seams_free(g);
     fronts_free(g);
+    blocks_free(g->forest, x->slope);
     void *single[] = {
         x->activity.differ, x->activity.active, x->activity.needed, x->activity.crossed, x->activity.quiet, x->edge, x};
     for (size_t i = 0; i < sizeof single / sizeof *single; i++) free(single[i]);
@@ -288,14 +291,8 @@ const struct engine engine_lattice = {
                   .cross = tiles_diffusion_cross,
                   .spread = tiles_diffusion_spread,
                   .weight = tiles_implicit_weight},
-    .bed = {.make = tiles_bed_make, .list = tiles_bed_list},
-    .carried = {.make = tiles_carried_make,
-                .free = tiles_carried_free,
-                .bed = tiles_carried_bed,
-                .fill = tiles_carried_fill,
-                .fill_phi = tiles_carried_fill_phi,
-                .rise = tiles_carried_rise,
+    .bed = {.list = tiles_bed_list},
+    .carried = {.rise = tiles_carried_rise,
                 .terms = tiles_carried_terms,
                 .most_out = tiles_carried_most_out,
-                .slopes = tiles_carried_slopes,
                 .move = tiles_carried_move}};

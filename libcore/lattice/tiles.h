@@ -68,6 +68,8 @@ struct tiles {
     struct work work;
     struct activity activity;
     struct seams seams;
+    double *
+        *slope; /* [ntiles] of 1 + dim lines, of carried quantities: phi_f is phi + line 0 + slopes * way to the face */
     struct fronts *fronts;     /* libcore/lattice/tiles_fronts.c; NULL: nothing is done about fronts */
     int *edge;                 /* [ntiles * 6] number of the first face of a side that is a patch; else -1 */
     struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */
@@ -268,15 +270,9 @@ void tiles_tally_begin(struct gas *g, int tile, const double *U);
 void tiles_tally(struct gas *g, const struct strip *s, double (*out)[BATCH], int column);
 
 /* Carried quantities (libcore/lattice/tiles_carried.c): the hooks of libcore/gas/carried.h. */
-status tiles_carried_make(struct gas *g);
-void tiles_carried_free(struct gas *g);
-void tiles_carried_bed(struct gas *g, double dt);
-void tiles_carried_fill(struct gas *g, double **line);
-void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
 void tiles_carried_rise(struct gas *g);
 void tiles_carried_terms(struct gas *g, double dt);
 double tiles_carried_most_out(const struct gas *g);
-void tiles_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 void tiles_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 /* Give all faces of a tile the flux of mass of its background, before a stage of it; then note those below and above n
  * cells of a row. */

@@ -5,27 +5,6 @@
 #include "libcore/gas/carried.h"
 #include "libcore/lattice/tiles_diffuser.h"
 
-#include <stdlib.h>
-
-static status make_blocks(const struct forest *f, int lines, double ***out) {
-    TRY(allocate(out, f->ntiles, sizeof **out, "carried quantities"));
-    for (int t = 0; t < f->ntiles; t++)
-        TRY(allocate(&(*out)[t], lines * f->size + SLACK, sizeof(double), "carried quantities"));
-    return OK;
-}
-
-status tiles_carried_make(struct gas *g) {
-    struct carried *c = g->carried;
-    double ***lines[] = {&c->flux, &c->mass, &c->exchange, &c->spread};
-    c->faces = g->dim * g->forest->size;
-    for (int i = 0; i < 4; i++) TRY(make_blocks(g->forest, g->dim, lines[i]));
-    return make_blocks(g->forest, 1 + g->dim, &c->slope);
-}
-
-void tiles_carried_free(struct gas *g) {
-    (void)g;
-}
-
 /* Multiplies a line of the faces below n cells from `offset` on along an axis by their radii. */
 static void weigh_faces(const struct gas *g, int tile, int axis, long offset, int n, double *q) {
     const struct forest *f = g->forest;
@@ -64,60 +43,6 @@ void tiles_carry(struct gas *g, int tile, int axis, long offset, int n, const do
     memcpy(to + step, high, (size_t)n * sizeof *to);
     weigh_faces(g, tile, axis, offset, n, to);
     weigh_faces(g, tile, axis, offset + step, n, to + step);
-}
-
-void tiles_carried_bed(struct gas *g, double dt) {
-    const struct bed_set *bed = g->dense->bed.home;
-    const struct forest *f = g->forest;
-    for (int r = 0, cell = 0; r < g->dense->rows; r++)
-        for (long at = g->dense->row[r].at; at < g->dense->row[r].at + g->dense->row[r].n; at++, cell++)
-            for (int side = 0; side < 2 * g->dim; side++) {
-                const int entry = bed->face_of_cell[2 * g->dim * cell + side], face = entry < 0 ? ~entry : entry;
-                const long above = side % 2 ? f->stride[side / 2] : 0;
-                double *mass = g->carried->mass[g->dense->row[r].block] + side / 2 * f->size + at + above;
-                if (bed->kind[face] == BED_KEPT) continue;
-                *mass = dt * bed->kept[0][face];
-                weigh_faces(g, g->dense->row[r].block, side / 2, at + above, 1, mass);
-            }
-}
-
-/* ---- ghosts ---- */
-
-static void copy_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
-    double *line = ((double *const *)context)[tile];
-    (void)g;
-    for (int i = 0; i < e->n; i++) line[e->to + i * e->step] = line[e->from + i * e->step];
-}
-
-void tiles_carried_fill(struct gas *g, double **line) {
-    forest_fill_layers(g->forest, 1, 1, line);
-    for (int t = 0; t < g->forest->ntiles; t++) edges_visit(g, t, copy_edge, line);
-}
-
-static void phi_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
-    const struct carried_quantity *q = context;
-    const struct rule *rule = q->rule[e->rules - g->patches.rules];
-    const bool high = e->to > e->from;
-    const double *mass = g->carried->mass[tile] + e->normal * g->forest->size + (high ? e->to : e->from);
-    double inner[BATCH], outflow[BATCH], ghost[BATCH], *phi = q->phi[tile];
-    const struct ghost_line l = {.n = e->n,
-                                 .components = 1,
-                                 .face = e->face,
-                                 .inner = {inner},
-                                 .outflow = outflow,
-                                 .normal = -1,
-                                 .ghost = {ghost}};
-    for (int i = 0; i < e->n; i++) {
-        inner[i] = phi[e->from + i * e->step];
-        outflow[i] = high ? mass[i * e->step] : -mass[i * e->step];
-    }
-    rule->type->ghost(rule, &l);
-    for (int i = 0; i < e->n; i++) phi[e->to + i * e->step] = ghost[i];
-}
-
-void tiles_carried_fill_phi(struct gas *g, const struct carried_quantity *q) {
-    forest_fill_layers(g->forest, 1, 1, q->phi);
-    for (int t = 0; t < g->forest->ntiles; t++) edges_visit(g, t, phi_edge, q);
 }
 
 /* ---- P and K ---- */
@@ -306,7 +231,7 @@ static void slopes_visit(void *moving, long offset, int n) {
     const struct gas *g = m->g;
     const long size = g->forest->size;
     const double *phi = m->q->phi[m->tile] + offset, share = m->part.share;
-    double *to = g->carried->slope[m->tile] + offset, rho[BATCH] = {0}, middle[BATCH] = {0};
+    double *to = g->tiles->slope[m->tile] + offset, rho[BATCH] = {0}, middle[BATCH] = {0};
     struct row_slopes r = {.shift = {0}};
     memcpy(r.low, phi, (size_t)n * sizeof *phi);
     memcpy(r.high, phi, (size_t)n * sizeof *phi);
@@ -328,10 +253,10 @@ static void slopes_visit(void *moving, long offset, int n) {
         for (int i = 0; i < n; i++) to[(a + 1) * size + i] = r.theta[i] * r.slope[a][i];
 }
 
-void tiles_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part) {
+static void find_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part) {
     for (int t = 0; t < g->forest->ntiles; t++)
         runs_visit(g->forest, &g->forest->tile[t], 0, slopes_visit, &(struct carry){g, q, part, t});
-    forest_fill_layers(g->forest, 1, 1 + g->dim, g->carried->slope);
+    forest_fill_layers(g->forest, 1, 1 + g->dim, g->tiles->slope);
 }
 
 /* What carries phi through n faces; the cells below are `step` before those above. shift, slope: of the latter; beyond
@@ -357,7 +282,7 @@ static void fluxes_of_axis(const struct carry *m, int axis) {
     for (int k = 0; k < n[2] + (axis == 2); k++)
         for (int j = 0; j < n[1] + (axis == 1); j++) {
             const long at = f->first + j * f->stride[1] + k * f->stride[2];
-            const double *slope = c->slope[m->tile] + at;
+            const double *slope = m->g->tiles->slope[m->tile] + at;
             const struct both_faces s = both_faces_of(m->g, m->tile, axis, at);
             carried_flux(faces, f->stride[axis], m->part.share, &s, m->q->phi[m->tile] + at, slope,
                          slope + (axis + 1) * f->size, c->flux[m->tile] + axis * f->size + at);
@@ -388,6 +313,7 @@ static void move_visit(void *moving, long offset, int n) {
 }
 
 void tiles_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part) {
+    find_slopes(g, q, part);
     for (int t = 0; t < g->forest->ntiles; t++) {
         struct carry m = {g, q, part, t};
         for (int a = 0; a < g->dim; a++) fluxes_of_axis(&m, a);

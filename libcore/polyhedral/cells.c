@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The gas on polyhedra: the memory of its cells, state in and out, rows of cells, fields, wave speeds, totals; and the
  * table of the engine's hooks. */
-#include "libcore/polyhedral/cells.h"
 #include "libcore/gas/patch.h"
+#include "libcore/polyhedral/cells_gradient.h"
 
 #include <stdlib.h>
 
@@ -79,7 +79,11 @@ static status cells_make(struct gas *g) {
     TRY(cells_weight_make(g));
     TRY(cells_round_make(g));
     TRY(cells_fronts_make(g));
+    if (g->models.transport || needs_shear_rate(&g->models) || g->models.ncarried)
+        TRY(cells_gradient_weights(g, &c->gradient));
     if (needs_shear_rate(&g->models)) TRY(cells_shear_rate_make(g));
+    if (g->models.ncarried) TRY(cells_carried_make(g));
+    if (g->dense) TRY(comm_agree(g->comm, cells_bed_make(g)));
     return g->models.transport ? cells_diffuser_make(g) : OK;
 }
 
@@ -96,6 +100,8 @@ static void cells_free(struct gas *g) {
     cells_sides_free(&c->sides);
     cells_diffuser_free(c->diffuser);
     cells_shear_rate_free(c->shear_rate);
+    cells_carried_free(c->carried);
+    entries_free(&c->gradient);
     cells_weight_free(c->weight);
     cells_round_free(c->round);
     cells_rest_free(c->rest);
@@ -227,39 +233,32 @@ static bool cells_sides(const struct gas *g, const struct row *row, int k, struc
     return any;
 }
 
-const struct engine engine_polyhedral = {
-    .state = {.make = cells_make,
-              .free = cells_free,
-              .cells = cells_of_block,
-              .rest = cells_rest,
-              .rows = cells_rows,
-              .fill = cells_fill,
-              .place = cells_place,
-              .sides = cells_sides,
-              .edges = cells_edges,
-              .ghosts = cells_near_ghosts,
-              .speed = cells_speed,
-              .speeds = cells_speeds,
-              .shear_rate = cells_shear_rate},
-    .stage = {.fronts = cells_fronts, .stage = cells_stage, .redo = cells_redo},
-    .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
-                  .cooled_first = true,
-                  .rates = cells_diffusion_rates,
-                  .begin = cells_diffusion_begin,
-                  .stage = cells_diffusion_stage,
-                  .end = cells_diffusion_end,
-                  .cross = cells_diffusion_cross,
-                  .spread = cells_diffusion_spread,
-                  .weight = cells_implicit_weight},
-    .bed = {.make = cells_bed_make, .list = cells_bed_list, .balance = cells_bed_balance},
-    .tally = {.rest = cells_tally_rest},
-    .carried = {.make = cells_carried_make,
-                .free = cells_carried_free,
-                .bed = cells_carried_bed,
-                .fill = cells_carried_fill,
-                .fill_phi = cells_carried_fill_phi,
-                .rise = cells_carried_rise,
-                .terms = cells_carried_terms,
-                .most_out = cells_carried_most_out,
-                .slopes = cells_carried_slopes,
-                .move = cells_carried_move}};
+const struct engine engine_polyhedral = {.state = {.make = cells_make,
+                                                   .free = cells_free,
+                                                   .cells = cells_of_block,
+                                                   .rest = cells_rest,
+                                                   .rows = cells_rows,
+                                                   .fill = cells_fill,
+                                                   .place = cells_place,
+                                                   .sides = cells_sides,
+                                                   .edges = cells_edges,
+                                                   .ghosts = cells_near_ghosts,
+                                                   .speed = cells_speed,
+                                                   .speeds = cells_speeds,
+                                                   .shear_rate = cells_shear_rate},
+                                         .stage = {.fronts = cells_fronts, .stage = cells_stage, .redo = cells_redo},
+                                         .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
+                                                       .cooled_first = true,
+                                                       .rates = cells_diffusion_rates,
+                                                       .begin = cells_diffusion_begin,
+                                                       .stage = cells_diffusion_stage,
+                                                       .end = cells_diffusion_end,
+                                                       .cross = cells_diffusion_cross,
+                                                       .spread = cells_diffusion_spread,
+                                                       .weight = cells_implicit_weight},
+                                         .bed = {.list = cells_bed_list, .balance = cells_bed_balance},
+                                         .tally = {.rest = cells_tally_rest},
+                                         .carried = {.rise = cells_carried_rise,
+                                                     .terms = cells_carried_terms,
+                                                     .most_out = cells_carried_most_out,
+                                                     .move = cells_carried_move}};

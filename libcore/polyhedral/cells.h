@@ -5,6 +5,7 @@
 
 #include "libcore/gas/gas_private.h"
 #include "libcore/schemes/polynomial.h"
+#include "libcore/schemes/polynomial_fit.h"
 
 /* Most stages of a super step of diffusion. The discrete operator on polyhedra has slightly complex eigenvalues; with
  * imaginary parts up to r times its largest rate, RKJ2 is unstable above about 3/r stages, and RKL2 a little earlier.
@@ -35,11 +36,12 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct fit *fit;
     struct cells_sweep sweep;
     struct cells_sides sides;
-    double *inverse_volume; /* [nown] 1/V, 1/m^dim */
-    double *girth[MAX_DIM]; /* [dim][nown] sum over the faces of A |n_k| / (2 V), 1/m */
-    double *total_girth;    /* [nown] sum over the faces of A / (2 V), 1/m */
-    double *flux[MAX_VAR];  /* [faces + 1] through the whole face, from left to right, in the axes of the polyhedra */
-    double *line;           /* [nown] scratch */
+    double *inverse_volume;  /* [nown] 1/V, 1/m^dim */
+    double *girth[MAX_DIM];  /* [dim][nown] sum over the faces of A |n_k| / (2 V), 1/m */
+    double *total_girth;     /* [nown] sum over the faces of A / (2 V), 1/m */
+    double *flux[MAX_VAR];   /* [faces + 1] through the whole face, from left to right, in the axes of the polyhedra */
+    double *line;            /* [nown] scratch */
+    struct entries gradient; /* weights of the gradients (cells_gradient.h), for those who want them */
     struct cells_diffuser *diffuser;     /* libcore/polyhedral/cells_diffusion.c; NULL without transport */
     struct cells_weight *weight;         /* libcore/polyhedral/cells_weight.c; NULL: there is no gravity */
     struct cells_rest *rest;             /* libcore/polyhedral/cells_rest.c; NULL: no state is known to be at rest */
@@ -199,14 +201,10 @@ void cells_bed_balance(struct gas *g, const struct state *from);
 /* Carried quantities (libcore/polyhedral/cells_carried.c): the hooks of libcore/gas/carried.h; cells_carry notes the
  * fluxes of mass of a stage. */
 status cells_carried_make(struct gas *g);
-void cells_carried_free(struct gas *g);
-void cells_carried_bed(struct gas *g, double dt);
-void cells_carried_fill(struct gas *g, double **line);
-void cells_carried_fill_phi(struct gas *g, const struct carried_quantity *q);
+void cells_carried_free(struct cells_carried *x);
 void cells_carried_rise(struct gas *g);
 void cells_carried_terms(struct gas *g, double dt);
 double cells_carried_most_out(const struct gas *g);
-void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 void cells_carried_move(struct gas *g, const struct carried_quantity *q, struct carried_part part);
 void cells_carry(struct gas *g);
 

@@ -16,35 +16,27 @@ static long wide(const struct gas *g) {
 _Static_assert((int)LANES <= (int)SLACK, "gradients read lines in whole batches of lanes");
 
 struct cells_carried {
-    struct entries gradient;
+    double *slope;           /* [LINES + dim] of wide(g): phi_f is phi + line 0 + slopes * way to the face */
     double *arm[2][MAX_DIM]; /* [left or right][dim][faces] m: from the centre of the cell to that of the face */
 };
 
 status cells_carried_make(struct gas *g) {
-    struct carried *c = g->carried;
     const struct polyhedra *m = g->cells->polyhedra;
-    double ***lines[] = {&c->flux, &c->mass, &c->exchange, &c->spread};
-    c->faces = m->face.n + 1;
-    TRY(allocate(&g->cells->carried, 1, sizeof *g->cells->carried, "carried quantities"));
-    for (int i = 0; i < 4; i++) {
-        TRY(allocate(lines[i], 1, sizeof **lines[i], "carried quantities"));
-        TRY(allocate(lines[i][0], c->faces, sizeof(double), "carried quantities"));
-    }
-    TRY(allocate(&c->slope, 1, sizeof *c->slope, "carried quantities"));
-    TRY(allocate(&c->slope[0], (LINES + g->dim) * wide(g), sizeof(double), "carried quantities"));
+    struct cells_carried *x;
+    TRY(allocate(&x, 1, sizeof *x, "carried quantities"));
+    g->cells->carried = x;
+    TRY(allocate(&x->slope, (LINES + g->dim) * wide(g), sizeof(double), "carried quantities"));
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < g->dim; k++) {
-            double **arm = &g->cells->carried->arm[side][k];
-            TRY(allocate(arm, m->face.n, sizeof(double), "carried quantities"));
-            for (int f = 0; f < m->face.n; f++) (*arm)[f] = cells_arm(m, f, side, k);
+            TRY(allocate(&x->arm[side][k], m->face.n, sizeof(double), "carried quantities"));
+            for (int f = 0; f < m->face.n; f++) x->arm[side][k][f] = cells_arm(m, f, side, k);
         }
-    return cells_gradient_weights(g, &g->cells->carried->gradient);
+    return OK;
 }
 
-void cells_carried_free(struct gas *g) {
-    struct cells_carried *x = g->cells ? g->cells->carried : NULL;
+void cells_carried_free(struct cells_carried *x) {
     if (!x) return;
-    entries_free(&x->gradient);
+    free(x->slope);
     for (int side = 0; side < 2; side++)
         for (int k = 0; k < MAX_DIM; k++) free(x->arm[side][k]);
     free(x);
@@ -52,15 +44,6 @@ void cells_carried_free(struct gas *g) {
 
 void cells_carry(struct gas *g) {
     memcpy(g->carried->flux[0], g->cells->flux[0], (size_t)g->cells->polyhedra->face.n * sizeof(double));
-}
-
-void cells_carried_bed(struct gas *g, double dt) {
-    const struct bed_set *bed = g->dense->bed.home;
-    for (int f = 0; f < bed->faces; f++) {
-        const int face = bed->shape[f];
-        if (bed->kind[f] != BED_KEPT)
-            g->carried->mass[0][face] = dt * g->cells->polyhedra->face.area[face] * bed->kept[0][f];
-    }
 }
 
 /* ---- ghosts ---- */
@@ -72,29 +55,6 @@ static void fill_ghosts(const struct gas *g, int n, double *block) {
     polyhedra_fill_finish(g->cells->polyhedra);
 }
 
-void cells_carried_fill(struct gas *g, double **line) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    fill_ghosts(g, 1, line[0]);
-    for (int i = 0; i < m->mirror.n; i++) line[0][m->ncells + i] = line[0][m->mirror.cell[i]];
-}
-
-void cells_carried_fill_phi(struct gas *g, const struct carried_quantity *q) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    double *phi = q->phi[0];
-    fill_ghosts(g, 1, phi);
-    for (int f = m->face.ninternal; f < m->face.n; f++) {
-        const int patch = m->face.patch[f - m->face.ninternal];
-        const struct ghost_line l = {.n = 1,
-                                     .components = 1,
-                                     .face = &m->face.place[f - m->face.ninternal],
-                                     .inner = {&phi[m->face.left[f]]},
-                                     .outflow = &g->carried->mass[0][f],
-                                     .normal = -1,
-                                     .ghost = {&phi[m->face.right[f]]}};
-        q->rule[patch]->type->ghost(q->rule[patch], &l);
-    }
-}
-
 /* ---- P and K ---- */
 
 /* The gradient of a line of filled values, in the own cells: lines 1 .. dim of the slopes. */
@@ -102,14 +62,14 @@ static void gradient_of(struct gas *g, double *line, double *slope) {
     const struct polyhedra *m = g->cells->polyhedra;
     double *out[MAX_DIM];
     for (int k = 0; k < g->dim; k++) out[k] = slope + (1 + k) * wide(g);
-    cells_gradients(g->dim, &g->cells->carried->gradient, 1, 0, m->nown, &line, out);
+    cells_gradients(g->dim, &g->cells->gradient, 1, 0, m->nown, &line, out);
 }
 
 void cells_carried_rise(struct gas *g) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const double *slope = g->carried->slope[0];
+    const double *slope = g->cells->carried->slope;
     double *rise = g->carried->rise[0];
-    gradient_of(g, g->carried->stress[0], g->carried->slope[0]);
+    gradient_of(g, g->carried->stress[0], g->cells->carried->slope);
     for (int i = 0; i < m->nown; i++) {
         rise[i] = 0;
         for (int k = 0; k < g->dim; k++) rise[i] += g->carried->up[k] * slope[(1 + k) * wide(g) + i];
@@ -193,7 +153,7 @@ static double bounded(double theta, double d, double down, double up) {
 
 /* By how much phi at a face differs from that of the cell on a side. */
 static double difference(const struct gas *g, int cell, int face, int side) {
-    const double *slope = g->carried->slope[0];
+    const double *slope = g->cells->carried->slope;
     double sum = slope[cell];
     for (int k = 0; k < g->dim; k++) sum += slope[(1 + k) * wide(g) + cell] * g->cells->carried->arm[side][k][face];
     return sum;
@@ -203,7 +163,7 @@ static double difference(const struct gas *g, int cell, int face, int side) {
 static void slopes_of_cell(struct gas *g, const double *phi, struct carried_part part, int i) {
     const struct polyhedra *m = g->cells->polyhedra;
     const int first = m->face_start[i], last = m->face_start[i + 1];
-    double *slope = g->carried->slope[0], low = phi[i], high = phi[i], out = 0, theta = 1, lost = 0;
+    double *slope = g->cells->carried->slope, low = phi[i], high = phi[i], out = 0, theta = 1, lost = 0;
     const double mass = m->volume[i] * density_at(g, i, part.from);
     const double middle = m->volume[i] * density_at(g, i, part.from + 0.5 * part.share);
     slope[i] = 0;
@@ -229,15 +189,15 @@ static void slopes_of_cell(struct gas *g, const double *phi, struct carried_part
     slope[(g->dim + HIGH) * wide(g) + i] = high;
 }
 
-void cells_carried_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part) {
-    gradient_of(g, q->phi[0], g->carried->slope[0]);
+static void find_slopes(struct gas *g, const struct carried_quantity *q, struct carried_part part) {
+    gradient_of(g, q->phi[0], g->cells->carried->slope);
     for (int i = 0; i < g->cells->polyhedra->nown; i++) slopes_of_cell(g, q->phi[0], part, i);
-    fill_ghosts(g, LINES + g->dim, g->carried->slope[0]);
+    fill_ghosts(g, LINES + g->dim, g->cells->carried->slope);
 }
 
 /* How much phi may change in a cell if it rises, or falls, until it is that of a cell around it. */
 static double room_of(const struct gas *g, const double *phi, int cell, bool rises) {
-    const double *bound = g->carried->slope[0] + (g->dim + (rises ? HIGH : LOW)) * wide(g);
+    const double *bound = g->cells->carried->slope + (g->dim + (rises ? HIGH : LOW)) * wide(g);
     return rises ? bound[cell] - phi[cell] : phi[cell] - bound[cell];
 }
 
@@ -246,7 +206,7 @@ static double room_of(const struct gas *g, const double *phi, int cell, bool ris
 static double jump_across(const struct gas *g, const double *phi, int face) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_carried *x = g->cells->carried;
-    const double *slope = g->carried->slope[0], distance = distance_of(g, face);
+    const double *slope = g->cells->carried->slope, distance = distance_of(g, face);
     const int l = m->face.left[face], r = m->face.right[face];
     const double jump = phi[r] - phi[l];
     double along = 0;
@@ -275,6 +235,7 @@ void cells_carried_move(struct gas *g, const struct carried_quantity *q, struct 
     const struct polyhedra *m = g->cells->polyhedra;
     const struct carried_kind *kind = q->choice.kind;
     double *phi = q->phi[0];
+    find_slopes(g, q, part);
     for (int f = 0; f < m->face.n; f++) carry_through(g, phi, part.share, f);
     for (int i = 0; i < m->nown; i++) {
         double change = 0;

@@ -22,7 +22,6 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
     double *share;            /* fraction of the way from the left centre to the right one that lies before the face */
     double *oblique[MAX_DIM]; /* r = n - e/(n.e) */
     bool skewed;              /* is any r not 0? */
-    struct entries weights;   /* of the gradients */
     struct cells_turn *turn;  /* NULL: the mesh is none of a body of revolution */
 };
 /* Bodies of revolution (libcore/polyhedral/cells_turn.c). */

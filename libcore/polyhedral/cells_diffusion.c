@@ -93,7 +93,7 @@ status cells_diffuser_make(struct gas *g) {
     g->diffusion.oblique = d->skewed;
     if (d->skewed) TRY(lines_allocate(&d->alike, 1, size));
     if (d->skewed) TRY(lines_allocate(&d->keep, 1, faces));
-    return cells_gradient_weights(g, &d->weights);
+    return OK;
 }
 
 void cells_diffuser_free(struct cells_diffuser *d) {
@@ -118,7 +118,6 @@ void cells_diffuser_free(struct cells_diffuser *d) {
     free(d->keep);
     free(d->inverse);
     free(d->share);
-    entries_free(&d->weights);
     free(d);
 }
 
@@ -237,7 +236,7 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
 static void find_gradients(struct gas *g, enum diffusing what, int from, int to) {
     const struct cells_diffuser *d = g->cells->diffuser;
     if (g->dim == 1 || from >= to || (what == HEAT && !d->skewed)) return;
-    cells_gradients(g->dim, &d->weights, lines_of(g, what), from, to, d->sum[g->diffusion.last], d->gradient);
+    cells_gradients(g->dim, &g->cells->gradient, lines_of(g, what), from, to, d->sum[g->diffusion.last], d->gradient);
 }
 
 /* ---- fluxes and what they move ------------------------------------------------------------------------------------

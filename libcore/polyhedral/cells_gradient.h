@@ -4,7 +4,6 @@
 #define LIBCORE_CELLS_GRADIENT_H
 
 #include "libcore/polyhedral/cells.h"
-#include "libcore/schemes/polynomial_fit.h"
 
 /* r <- the weights of the gradients of cells < nnear, 1/m; to be freed by entries_free. Collective. */
 status cells_gradient_weights(const struct gas *g, struct entries *r);

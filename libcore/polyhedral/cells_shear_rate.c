@@ -9,7 +9,6 @@
 struct cells_shear_rate { /* lines of [size], a batch longer */
     double *velocity[MAX_DIM];
     double *gradient[MAX_DIM * MAX_DIM]; /* du_c/dx_k at k components + c */
-    struct entries weights;              /* of the gradients */
 };
 
 status cells_shear_rate_make(struct gas *g) {
@@ -20,14 +19,13 @@ status cells_shear_rate_make(struct gas *g) {
     for (int c = 0; c < g->components; c++) TRY(allocate(&x->velocity[c], size, sizeof(double), "the shear rate"));
     for (int i = 0; i < g->dim * g->components; i++)
         TRY(allocate(&x->gradient[i], size, sizeof(double), "the shear rate"));
-    return cells_gradient_weights(g, &x->weights);
+    return OK;
 }
 
 void cells_shear_rate_free(struct cells_shear_rate *x) {
     if (!x) return;
     for (int c = 0; c < MAX_DIM; c++) free(x->velocity[c]);
     for (int i = 0; i < MAX_DIM * MAX_DIM; i++) free(x->gradient[i]);
-    entries_free(&x->weights);
     free(x);
 }
 
@@ -48,7 +46,7 @@ static void find_velocities(struct gas *g, const struct state *s) {
 /* Finds the weight of a mirror in the gradient of its cell. */
 static void weight_of(const struct gas *g, int mirror, double out[MAX_DIM]) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct entries *r = &g->cells->shear_rate->weights;
+    const struct entries *r = &g->cells->gradient;
     const int cell = m->mirror.cell[mirror], lane = cell % LANES;
     for (int k = 0; k < g->dim; k++) out[k] = 0;
     for (long j = r->start[cell / LANES]; j < r->start[cell / LANES + 1]; j++)
@@ -94,7 +92,7 @@ void cells_shear_rate(struct gas *g, const struct state *s) {
     struct cells_shear_rate *x = g->cells->shear_rate;
     double *rate = g->diffusion.shear_rate.now[0];
     find_velocities(g, s);
-    cells_gradients(g->dim, &x->weights, g->components, 0, m->nown, x->velocity, x->gradient);
+    cells_gradients(g->dim, &g->cells->gradient, g->components, 0, m->nown, x->velocity, x->gradient);
     for (int i = 0; i < m->face.n - m->face.ninternal && g->models.transport; i++)
         if (wall_slides(&g->patches.rules[m->mirror.patch[i]])) slide_along(g, i);
     for (int at = 0; at < m->nown; at += BATCH) {

@@ -34,7 +34,7 @@ static void find_slopes(struct gas *g, const double *rho) {
     double *line = d->sum[0][0];
     memcpy(line, rho, (size_t)m->size * sizeof *line);
     for (int i = 0; i < m->mirror.n; i++) line[m->ncells + i] += d->wall.denser[i];
-    cells_gradients(g->dim, &d->weights, 1, 0, m->nnear, &line, d->gradient);
+    cells_gradients(g->dim, &g->cells->gradient, 1, 0, m->nnear, &line, d->gradient);
 }
 
 /* Through the faces between cells, and through open patches, as heat_faces does with T. */

@@ -25,8 +25,16 @@ static status make_quantities(struct gas *g) {
     return OK;
 }
 
+static status make_faces(const struct gas *g, double ***out) {
+    TRY(allocate(out, g->blocks.n, sizeof **out, "carried quantities"));
+    for (int b = 0; b < g->blocks.n; b++)
+        TRY(allocate(&(*out)[b], g->blocks.faces + SLACK, sizeof(double), "carried quantities"));
+    return OK;
+}
+
 static status make(struct gas *g) {
     struct carried *c = g->carried;
+    double ***faces[] = {&c->flux, &c->mass, &c->exchange, &c->spread};
     const double *gravity = g->models.source.gravity;
     double square = 0;
     for (int k = 0; k < g->dim; k++) square += gravity[k] * gravity[k];
@@ -42,7 +50,8 @@ static status make(struct gas *g) {
         TRY(line_make(g, &c->stress));
         TRY(line_make(g, &c->rise));
     }
-    return g->engine->carried.make(g);
+    for (int i = 0; i < 4; i++) TRY(make_faces(g, faces[i]));
+    return OK;
 }
 
 status carried_make(struct gas *g) {
@@ -59,21 +68,70 @@ void carried_free(struct gas *g) {
         line_free(g, c->quantity[i].phi);
         free(c->quantity[i].rule);
     }
-    double **lines[] = {c->rho, c->D, c->f, c->stress, c->rise, c->flux, c->mass, c->exchange, c->spread, c->slope};
+    double **lines[] = {c->rho, c->D, c->f, c->stress, c->rise, c->flux, c->mass, c->exchange, c->spread};
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) line_free(g, lines[i]);
-    g->engine->carried.free(g);
     free(c->quantity);
     free(c);
 }
 
 void carried_begin(struct gas *g) {
-    for (int b = 0; b < g->blocks.n; b++) memset(g->carried->mass[b], 0, (size_t)g->carried->faces * sizeof(double));
+    for (int b = 0; b < g->blocks.n; b++) memset(g->carried->mass[b], 0, (size_t)g->blocks.faces * sizeof(double));
 }
 
 void carried_keep(struct gas *g, double weight) {
     struct carried *c = g->carried;
     for (int b = 0; b < g->blocks.n; b++)
-        for (long i = 0; i < c->faces; i++) c->mass[b][i] += weight * c->flux[b][i];
+        for (long i = 0; i < g->blocks.faces; i++) c->mass[b][i] += weight * c->flux[b][i];
+}
+
+/* Sets the mass through the k-th faces of a row of cells of the bed, but kept ones, to what it exchanged over dt; cell:
+ * the first of these. */
+static void take_sides(struct gas *g, const struct row *row, const struct sides *s, int k, int cell, double dt) {
+    const struct bed_set *bed = g->dense->bed.home;
+    for (int i = 0; i < row->n; i++) {
+        if (s->face[i] == NO_SIDE) continue;
+        const int place = s->face[i] < 0 ? ~s->face[i] : s->face[i];
+        const int entry = bed->face_of_cell[bed->face_start[cell + i] + k], face = entry < 0 ? ~entry : entry;
+        const double area = g->blocks.area ? g->blocks.area[place] : 1;
+        if (bed->kind[face] == BED_KEPT) continue;
+        g->carried->mass[row->block][place] = dt * area * bed->kept[0][face] * face_radius(g, row->block, place);
+    }
+}
+
+static void take_bed(struct gas *g, double dt) {
+    const struct dense *d = g->dense;
+    struct sides s;
+    for (int r = 0, cell = 0; r < d->rows; cell += d->row[r++].n)
+        for (int k = 0; g->engine->state.sides(g, &d->row[r], k, &s); k++) take_sides(g, &d->row[r], &s, k, cell, dt);
+}
+
+/* ---- ghosts ---- */
+
+/* Fills the ghosts of a line of cells, beyond patches with the values of the cells. */
+static void fill(struct gas *g, double **line) {
+    g->engine->state.fill(g, 1, 1, line);
+    for (int i = 0; i < g->patches.sides; i++) {
+        const struct patch_side *s = &g->patches.side[i];
+        line[s->block][s->beyond] = line[s->block][s->inside];
+    }
+}
+
+/* Fills the ghosts of phi, beyond patches with its value on the patch. */
+static void fill_phi(struct gas *g, const struct carried_quantity *q) {
+    g->engine->state.fill(g, 1, 1, q->phi);
+    for (int i = 0; i < g->patches.sides; i++) {
+        const struct patch_side *s = &g->patches.side[i];
+        const struct rule *rule = q->rule[s->patch.patch];
+        double *phi = q->phi[s->block], outflow = s->out * g->carried->mass[s->block][s->face];
+        const struct ghost_line l = {.n = 1,
+                                     .components = 1,
+                                     .face = &s->patch.face,
+                                     .inner = {&phi[s->inside]},
+                                     .outflow = &outflow,
+                                     .normal = -1,
+                                     .ghost = {&phi[s->beyond]}};
+        rule->type->ghost(rule, &l);
+    }
 }
 
 /* ---- P and K ---- */
@@ -109,8 +167,8 @@ static void coefficient_row(void *finding, const struct row *row) {
 static void clear_terms(struct gas *g) {
     struct carried *c = g->carried;
     for (int b = 0; b < g->blocks.n && !c->clear; b++) {
-        memset(c->exchange[b], 0, (size_t)c->faces * sizeof(double));
-        memset(c->spread[b], 0, (size_t)c->faces * sizeof(double));
+        memset(c->exchange[b], 0, (size_t)g->blocks.faces * sizeof(double));
+        memset(c->spread[b], 0, (size_t)g->blocks.faces * sizeof(double));
     }
     c->clear = true;
 }
@@ -118,14 +176,13 @@ static void clear_terms(struct gas *g) {
 /* Finds P and K of a quantity. */
 static void find_terms(struct gas *g, const struct carried_quantity *q, double dt) {
     struct carried *c = g->carried;
-    const struct carried_hooks *hooks = &g->engine->carried;
     clear_terms(g);
     if (!q->terms) return;
     c->clear = false;
     g->engine->state.rows(g, EVERY_CELL, NULL, coefficient_row, &(struct finding){g, q});
-    hooks->fill(g, c->D);
-    hooks->fill(g, c->f);
-    hooks->terms(g, dt);
+    fill(g, c->D);
+    fill(g, c->f);
+    g->engine->carried.terms(g, dt);
 }
 
 /* ---- a step ---- */
@@ -138,12 +195,10 @@ static double parts_of(struct gas *g) {
 }
 
 static void move_quantity(struct gas *g, const struct carried_quantity *q, int parts) {
-    const struct carried_hooks *hooks = &g->engine->carried;
     for (int i = 0; i < parts; i++) {
         const struct carried_part part = {(double)i / parts, (double)(i + 1) / parts, 1. / parts};
-        hooks->fill_phi(g, q);
-        hooks->slopes(g, q, part);
-        hooks->move(g, q, part);
+        fill_phi(g, q);
+        g->engine->carried.move(g, q, part);
     }
 }
 
@@ -161,9 +216,9 @@ status carried_move(struct gas *g, double t, double dt) {
     spans_write_out(g, &g->V);
     spans_write_out(g, &g->U);
     if (c->terms) g->engine->state.rows(g, EVERY_CELL, NULL, density_row, g);
-    if (c->terms) g->engine->carried.fill(g, c->rho);
+    if (c->terms) fill(g, c->rho);
     if (c->stress) {
-        g->engine->carried.fill(g, c->stress);
+        fill(g, c->stress);
         g->engine->carried.rise(g);
     }
     for (int i = 0; i < c->n; i++) {
@@ -197,7 +252,7 @@ static bool carried_stage(struct gas *g, struct attempt *a, const struct stage_n
 
 /* The bed has been advanced. */
 static bool carried_last(struct gas *g, struct attempt *a) {
-    if (g->step.hybrid) g->engine->carried.bed(g, a->dt);
+    if (g->step.hybrid) take_bed(g, a->dt);
     return true;
 }
 
