@@ -166,6 +166,9 @@ void cells_round_note(const struct gas *g, int first, int last, const double *le
  * gas_limits, or NULL. */
 void cells_round_push(const struct gas *g, int at, int n, const double *U, const double *flag,
                       double *const residual[MAX_VAR]);
+/* With a swirl: lets the rotation of the cells go on in the plain mirrors from <= i < from + n (<= BATCH) of a wall,
+ * and the pressure that it makes, that alone where walls hold the gas; beyond the axis the swirl changes its sign. */
+void cells_round_beyond(const struct gas *g, int from, int n, bool held, double *const U[MAX_VAR]);
 /* With a swirl: the lever of each face, m; the weights of the points in the flux of rho u_s through a face; and what
  * that flux[faces], as all through the whole face, changes of rho u_s in cell i. */
 const double *cells_round_levers(const struct gas *g);

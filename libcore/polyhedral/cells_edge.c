@@ -56,8 +56,6 @@ static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX
     for (int i = 0; i < n; i++) {
         struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
         if (reflects) out_of_frame(g->dim, &f, ghost + 1, i);
-        if (g->models.swirl && m->round.rim[from + i] < NO_RADIUS)
-            ghost[g->models.swirl + 1][i] = -ghost[g->models.swirl + 1][i];
         for (int v = 0; v < g->nvar; v++) U[v][m->ncells + from + i] = ghost[v][i];
     }
 }
@@ -90,11 +88,11 @@ static int patch_run(const struct gas *g, int from, int to) {
 
 void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]) {
     for (int n; from < to; from += n) {
+        const struct patch_rules *r = &g->patches.rules[g->cells->polyhedra->mirror.patch[from]];
+        const bool held = g->models.transport && wall_holds(r);
         n = patch_run(g, from, to);
-        if (g->models.transport && wall_holds(&g->patches.rules[g->cells->polyhedra->mirror.patch[from]]))
-            held_run(g, from, n, U);
-        else
-            mirror_run(g, from, n, U);
+        (held ? held_run : mirror_run)(g, from, n, U);
+        if (g->models.swirl && patch_is_wall(r)) cells_round_beyond(g, from, n, held, U);
     }
 }
 

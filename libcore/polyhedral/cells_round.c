@@ -138,6 +138,34 @@ void cells_round_push(const struct gas *g, int at, int n, const double *U, const
     if (g->models.swirl) push_around(g, at, n, U, flag, &q, residual[g->models.swirl + 1]);
 }
 
+/* The part by which p grows from a cell at radius r to R beyond a wall at `rim`, where its swirl u makes a slope of p.
+ */
+static double rise(double rho, double u, double p, double r, double R, double rim) {
+    const double slope = rho * (u / r) * (u / r) * rim;
+    return smaller(larger(slope * (R - r) / (p + 1e-300), -0.5), 0.5);
+}
+
+void cells_round_beyond(const struct gas *g, int from, int n, bool held, double *const U[MAX_VAR]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const int swirl = g->models.swirl, last = energy_at(g);
+    const double *at = m->centre[m->round.radial], *rim = m->round.rim + from;
+    double inner[MAX_VAR][BATCH] = {{0}}, velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c2[BATCH], gruneisen[BATCH];
+    double *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < n; i++) inner[v][i] = U[v][m->mirror.cell[from + i]];
+    velocity_row(n, g->components, BATCH, inner[0], u, eps);
+    g->models.eos->state(&g->models.material, n, inner[0], eps, p, c2, gruneisen);
+    for (int i = 0; i < n; i++) {
+        const int ghost = m->ncells + from + i;
+        const double r = at[m->mirror.cell[from + i]] - m->round.at, R = at[ghost] - m->round.at;
+        const double rho = U[0][ghost], spin = u[swirl][i], beyond = rim[i] < NO_RADIUS ? -spin : spin * (R / r);
+        if (rim[i] > NO_RADIUS) U[last][ghost] += rho * eps[i] * rise(rho, spin, p[i], r, R, rim[i]);
+        if (held) continue;
+        U[swirl + 1][ghost] = rho * beyond;
+        U[last][ghost] += 0.5 * rho * (beyond * beyond - spin * spin);
+    }
+}
+
 double cells_round_torque(const struct gas *g, int i, const double *flux) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_round *r = g->cells->round;

@@ -129,12 +129,13 @@ class Round(harness.Folder, unittest.TestCase):
                 self.assertAlmostEqual((result.field("rho") * cells).sum(), np.pi, delta=1e-12)
 
     def test_same(self):
-        """1 and 3 ranks, a restart, and cells that are not skipped as uniform give the same bits."""
+        """1 and 3 ranks, a restart, and cells that are not skipped as uniform give the same bits; polyhedra rotate."""
         n = (40, 48, 1)
         x, rho, u, p = self.blast(n)
         for engine in ("lattice", "CWENO3"):
             with self.subTest(engine):
                 options = {"engine": engine, "interval": 0.03, "control": "adjustableRunTime"}
+                u = u if engine == "lattice" else [*u[:2], x[:, 1]]
                 one = self.case("one" + engine, n, rho, u, p, 0.06, **options)
                 harness.program("granularGas", "-case", one)
                 three = self.case("three" + engine, n, rho, u, p, 0.06, **options)
@@ -143,7 +144,7 @@ class Round(harness.Folder, unittest.TestCase):
                 part = runs.until(one, os.path.join(self.folder, "part" + engine), 0.03)
                 harness.program("granularGas", "-case", part)
                 runs.same(self, runs.contents(os.path.join(one, "0.06")), runs.contents(os.path.join(part, "0.06")), "restart")
-        full = self.case("full", n, rho, u, p, 0.06, interval=0.03)
+        full = self.case("full", n, rho, [*u[:2], 0 * rho], p, 0.06, interval=0.03)
         runs.add(full, "system/fvSolution", "skipUniform no;\n")
         harness.program("granularGas", "-case", full)
         runs.same(self, runs.results(os.path.join(self.folder, "onelattice")), runs.results(full), "skipped cells")
@@ -239,7 +240,7 @@ class Round(harness.Folder, unittest.TestCase):
         self.assertLess(np.abs(both[0] - both[1])[:20, :20].mean(), errors[1])
 
     def rotation(self, cells, engine):
-        """Rigid rotation in a pipe, p = 1 + r^2/2, after half a turn of 1 rad: change of the angular momentum, and L1 errors of rho, u_s."""
+        """Rigid rotation in a pipe, p = 1 + r^2/2, after it has turned by 0.5 rad: change of the angular momentum, and L1 errors of rho, u_s."""
         n = (4, cells, 1)
         r, h = boxes.centres(n, (1.0, 1.0, 0.1))[:, 1], 1 / cells
         square = r**2 + h**2 / 4 * (engine != "lattice")  # means over r dr on polyhedra: of r^2, and of r
@@ -253,11 +254,11 @@ class Round(harness.Folder, unittest.TestCase):
 
     def test_swirl(self):
         """Rigid rotation stays to second order, and keeps the angular momentum to round-off, on lattices and polyhedra."""
-        for engine in ("lattice", "linear", "CWENO3"):
+        for engine, least in (("lattice", 1.6), ("linear", 1.9), ("CWENO3", 1.9)):  # lattices mirror p at the wall
             with self.subTest(engine):
                 (lost, coarse), (more, fine) = (self.rotation(cells, engine) for cells in (16, 32))
                 self.assertLess(max(abs(lost), abs(more)), 1e-14)
-                self.assertGreater(np.log2(coarse / fine).min(), 1.5, f"errors {coarse} {fine}")
+                self.assertGreater(np.log2(coarse / fine).min(), least, f"errors {coarse} {fine}")
 
     def test_refused(self):
         """What cannot be: with file, line, cure."""

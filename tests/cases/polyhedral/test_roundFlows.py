@@ -14,6 +14,7 @@ from tests.cases import harness, runs
 from tests.cases.harness import boxes
 
 from studies.exact import garzoDufty
+from studies.made import triangles
 
 ALPHA, SLOW = 0.2, 1e-4
 GAS = garzoDufty.Grains(3, 1.0)
@@ -112,6 +113,34 @@ class RoundFlows(harness.Folder, unittest.TestCase):
                 order = np.log(found[0] / found[1]) / np.log(12 / 8)
                 self.assertGreater(order.min(), 1.9, f"orders {order}, errors {found}")
                 self.assertLess(np.abs((2.25 * found[1] - found[0]) / 1.25)[1:].max(), 1e-4)
+
+    def couette_triangles(self, rows):
+        """Errors of the torques on both cylinders, over the exact one, on triangles of `rows` edges across the gap."""
+        case, B, A, inner = os.path.join(self.folder, f"triangles{rows}"), 50.0, -1.0, 5.0  # u_s = A r + B/r: 1 and -0.5 rad/s
+        triangles.make(case, 5 / 4, rows // 4, os.path.join(os.environ["HAFF_BIN"], "gmshToCase"), cyclic="x", rows=rows,
+                       patches="bottom { type wall; } top { type wall; }")
+        mesh = harness.haff.Mesh(case + "/constant/polyMesh")
+        swirl = SLOW * triangles.means(mesh, lambda x: A * (x[:, 1] + inner)**2 + B) / triangles.means(mesh, lambda x: x[:, 1] + inner)
+        walls = {"bottom": rotating(SLOW, inner), "top": rotating(-0.5 * SLOW, inner)}
+        rest = "left cyclic\nright cyclic\nback empty\nfront empty\n"
+        for field, values, rules in (("alpha", np.full(len(swirl), ALPHA), {}), ("U", swirl[:, None] * [0, 0, 1], walls),
+                                     ("T", np.ones(len(swirl)), dict.fromkeys(walls, "fixedValue; value uniform 1"))):
+            boxes.write_field(case, field, values, rest + "\n".join(f"{p} {rules.get(p, 'zeroGradient')}" for p in walls))
+        boxes.write_dictionary(case, "constant", "granularProperties", PROPERTIES.format(law="GarzoDufty", e=1.0, cooling="none"))
+        boxes.write_dictionary(case, "system", "meshDict", "axis { direction (1 0 0); origin (0 -5 0); }\n")
+        boxes.write_dictionary(case, "system", "fvSolution", "")
+        boxes.write_dictionary(case, "system", "fvSchemes", boxes.SCHEMES.format(**boxes.STANDARD))
+        functions = FORCES.replace("yLow", "bottom").replace("yHigh", "top")
+        boxes.write_dictionary(case, "system", "controlDict", boxes.CONTROL.format(end=30.0, **{**boxes.STANDARD, "interval": 30.0}) + functions)
+        result, exact = self.run_case(case), -4 * np.pi * GAS.shear(RHO, 1.0) * B * SLOW
+        torque = [result.table(p, "moment.dat")[-1, 1] / (exact * np.ptp(result.mesh.points[:, 0])) for p in walls]
+        return np.array([torque[0] - 1, torque[1] + 1])
+
+    def test_triangles(self):
+        """Torques between two cylinders on triangles: second order, extrapolated from two meshes."""
+        coarse, fine = (self.couette_triangles(rows) for rows in (12, 16))
+        self.assertGreater(np.log(np.abs(coarse / fine)).min() / np.log(16 / 12), 1.9, f"errors {coarse} {fine}")
+        self.assertLess(np.abs((16 * fine - 9 * coarse) / 7).max(), 1e-4)
 
     def spun(self, name, inner, law="GarzoDufty", **engine):
         """The swirl over that of gas that rotates as a rigid body with its walls, after a step of 1e-6 s, and the radius."""
