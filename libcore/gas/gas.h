@@ -47,7 +47,7 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     const struct carried_choice *carried; /* [ncarried] quantities that the gas carries (libcore/gas/carried.h) */
     int ncarried;
     int components;     /* of u, if more than the mesh has axes; 0: as many */
-    int swirl;          /* component around the axis of a body of revolution, on lattices; 0: there is none */
+    int swirl;          /* component around the axis of a body of revolution; 0: there is none */
     double alpha_floor; /* least alpha: mass is added where fluxes would fall below it; 0: off */
     /* without transport or a law that sees the shear rate: are cells in exactly uniform surroundings left out
      * (libcore/lattice/tiles_activity.c)? The bits stay the same */

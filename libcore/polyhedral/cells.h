@@ -161,11 +161,21 @@ double cells_rest_near(const struct gas *g, int cell, double *p);
 status cells_round_make(struct gas *g);
 void cells_round_free(struct cells_round *r);
 double cells_round_side(const struct gas *g, int i); /* A_2/V of cell i, 1/m */
-/* Notes the pressures on both sides of the points of faces first <= i < last. */
+/* Notes p + rho u_s^2 on both sides of the points of faces first <= i < last. */
 void cells_round_note(const struct gas *g, int first, int last, const double *left, const double *right);
 /* Adds the pressure along the radius to the residuals of n <= BATCH cells, whose variables lie g->size apart from U on,
- * once all their faces are noted. */
-void cells_round_push(const struct gas *g, int at, int n, const double *U, double *const residual[MAX_VAR]);
+ * once all their faces are noted, and makes of that of a swirl what the torques of c->flux do. flag[n]: as of
+ * gas_limits, or NULL. */
+void cells_round_push(const struct gas *g, int at, int n, const double *U, const double *flag,
+                      double *const residual[MAX_VAR]);
+/* With a swirl: lets the rotation of the cells go on in the plain mirrors from <= i < from + n (<= BATCH) of a wall,
+ * and the pressure that it makes, that alone where walls hold the gas; beyond the axis the swirl changes its sign. */
+void cells_round_beyond(const struct gas *g, int from, int n, bool held, double *const U[MAX_VAR]);
+/* With a swirl: the lever of each face, m; the weights of the points in the flux of rho u_s through a face; and what
+ * that flux[faces], as all through the whole face, changes of rho u_s in cell i. */
+const double *cells_round_levers(const struct gas *g);
+const double *cells_round_weights(const struct gas *g);
+double cells_round_torque(const struct gas *g, int i, const double *flux);
 
 /* ---- rules of single faces (libcore/polyhedral/cells_rules.c) ---- */
 

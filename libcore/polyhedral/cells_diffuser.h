@@ -30,10 +30,16 @@ void cells_turn_free(struct cells_turn *t);
 /* Sets u_r/r on n faces from `at` on, by S, and where the stress around the axis on them goes. */
 void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, double *const *S, const double **around,
                       double **hoop);
-/* Adds the force of the stress around the axis to line v of the residuals of n cells, if it is that of the radius. */
+/* Adds the force of the stress around the axis to line v of the residuals of n cells, if it is that of the radius.
+ * Makes of line v the change by torques, if it is that of the swirl. */
 void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int at, int n, double *M);
-/* What that stress adds to the sum over the faces of cell i that bounds its rate. */
-double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i);
+/* The sum over the faces of cell i that bounds its rate, which is `plane` without that stress. */
+double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i, double plane);
+/* Sets and returns the line of angular velocities of the swirl, 1/s, in cells from <= i < to, mirrors included. S holds
+ * the swirl, of a mirror that at its face. */
+double *cells_turn_spin(const struct gas *g, const struct cells_turn *t, double *const *S, int from, int to);
+/* How many times as fast the swirl of a rigid rotation is at the face of a mirror as in the cell before it. */
+double cells_turn_out(const struct gas *g, const struct cells_turn *t, int mirror);
 
 /* The coefficient of two ways one behind the other: `share` of the way with a, 1 - share with b. Two zeros give 0. */
 ALWAYS_INLINE double harmonic(double share, double a, double b) {

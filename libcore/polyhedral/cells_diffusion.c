@@ -182,7 +182,7 @@ static void cell_rates(const struct gas *g, int i, double rho, double rate[2]) {
         const double wall = face < m->face.ninternal ? 0 : d->wall.heat[face - m->face.ninternal];
         sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
     }
-    if (d->turn) sum[0] += cells_turn_rate(g, d->turn, i);
+    if (d->turn) sum[0] = cells_turn_rate(g, d->turn, i, sum[0]);
     const double per = c->inverse_volume[i] / rho;
     rate[0] = per * sum[0];
     rate[1] = temperature_of(&g->models.material, per) * sum[1];
@@ -233,10 +233,10 @@ void cells_diffusion_begin(struct gas *g, enum diffusing what, const struct stat
     }
 }
 
-static void find_gradients(struct gas *g, enum diffusing what, int from, int to) {
+static void find_gradients(struct gas *g, enum diffusing what, double *const *S, int from, int to) {
     const struct cells_diffuser *d = g->cells->diffuser;
     if (g->dim == 1 || from >= to || (what == HEAT && !d->skewed)) return;
-    cells_gradients(g->dim, &g->cells->gradient, lines_of(g, what), from, to, d->sum[g->diffusion.last], d->gradient);
+    cells_gradients(g->dim, &g->cells->gradient, lines_of(g, what), from, to, S, d->gradient);
 }
 
 /* ---- fluxes and what they move ------------------------------------------------------------------------------------
@@ -252,6 +252,8 @@ struct face_batch { /* a batch of faces, and the cells on both sides */
     int components;       /* of bodies of revolution, as all behind: components of u */
     const double *around; /* u_r/r on the faces */
     double *hoop;         /* stress around the axis, times the area */
+    int swirl;            /* component whose lines hold u_s/r; 0: none */
+    const double *lever;
 };
 
 ALWAYS_INLINE void take_jumps(const struct face_batch *f, const double *restrict q, double *restrict jump,
@@ -275,7 +277,8 @@ ALWAYS_INLINE void take_mean(const struct face_batch *f, const double *restrict 
 
 /* With the gradient G = M + n (a - n.M) of the head of this file, M the mean and a = n.G: the force of the left cell on
  * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. The components c of u from dim on, up to
- * m, lie along axes without derivatives: their force is -mu a_c alone. */
+ * m, lie along axes without derivatives: their force is -mu a_c alone; that of a swirl, of which S is u_s/r, -mu times
+ * lever a_c, with the work lever S. */
 ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct face_batch *f, double *const *S,
                                  double *const *gradient, double *const *out) {
     double a[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH], found[MAX_DIM + 1][BATCH];
@@ -313,6 +316,10 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct face_b
             double slope = a[c][i] * g.inverse[i];
             for (int k = 0; k < dim && dim > 1; k++) slope += g.oblique[k][i] * M[k * m + c][i];
             found[c][i] = -(g.face[1][i] * slope);
+            if (round && c == g.swirl) {
+                found[c][i] *= g.lever[i];
+                at[c][i] *= g.lever[i];
+            }
             found[m][i] += found[c][i] * at[c][i];
         }
     for (int k = 0; k <= m; k++) memcpy(out[k], found[k], (size_t)g.n * sizeof(double));
@@ -363,7 +370,7 @@ static faces_function *const faces_of[3][3] = {
 static faces_function *const round_faces_of[2] = {round_faces_1, round_faces_2};
 
 /* Fluxes through faces first <= i < last, into the lines c->flux from 0 on: momentum, then work; or heat. */
-static void find_fluxes(struct gas *g, enum diffusing what, int first, int last) {
+static void find_fluxes(struct gas *g, enum diffusing what, double *const *S, int first, int last) {
     struct cells *c = g->cells;
     const struct cells_diffuser *d = c->diffuser;
     const struct polyhedra_faces *m = &c->polyhedra->face;
@@ -388,9 +395,11 @@ static void find_fluxes(struct gas *g, enum diffusing what, int first, int last)
                              : 1;
         if (flagged || heat) f.keep = keep;
         f.components = g->components;
-        if (d->turn) cells_turn_faces(g, d->turn, at, f.n, d->sum[g->diffusion.last], &f.around, &f.hoop);
+        f.swirl = g->models.swirl;
+        if (f.swirl) f.lever = cells_round_levers(g) + at;
+        if (d->turn && what == VISCOUS) cells_turn_faces(g, d->turn, at, f.n, S, &f.around, &f.hoop);
         (d->turn ? round_faces_of[g->dim - 1] : faces_of[g->dim - 1][g->components - g->dim])(
-            what, &f, d->sum[g->diffusion.last], what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
+            what, &f, S, what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
     }
 }
 
@@ -401,6 +410,14 @@ static void drop_friction(struct gas *g, double weight) {
     const int first = g->cells->polyhedra->face.ninternal;
     for (int face = first; face < g->cells->polyhedra->face.n; face++)
         g->cells->flux[0][face] += d->face[2][face] * d->inverse[face] * (weight * d->wall.lift[face - first]);
+}
+
+/* Sets the lines of S that gradients and faces see, in cells from <= i < to: of a swirl its angular velocity. */
+static void seen_lines(const struct gas *g, enum diffusing what, int from, int to, double **line) {
+    const struct cells_diffuser *d = g->cells->diffuser;
+    for (int c = 0; c < lines_of(g, what); c++) line[c] = d->sum[d->last][c];
+    if (d->turn && g->models.swirl && what == VISCOUS)
+        line[g->models.swirl] = cells_turn_spin(g, d->turn, d->sum[d->last], from, to);
 }
 
 /* All fluxes of S: first those that need no ghosts, while the ghosts are under way. */
@@ -414,15 +431,20 @@ static void flow(struct gas *g, enum diffusing what, double weight) {
                                      d->wall.lift,
                                      (const double *const *)d->start,
                                      d->sum[g->diffusion.last]};
+    double *S[MAX_DIM] = {NULL};
     polyhedra_fill_start(m, lines_of(g, what), sums.S);
     cells_mirror_sums(g, &sums, 0, own_mirrors);
-    find_gradients(g, what, 0, m->ninner);
-    find_fluxes(g, what, 0, m->face.nlocal);
+    seen_lines(g, what, 0, m->nown, S);
+    seen_lines(g, what, m->ncells, m->ncells + own_mirrors, S);
+    find_gradients(g, what, S, 0, m->ninner);
+    find_fluxes(g, what, S, 0, m->face.nlocal);
     polyhedra_fill_finish(m);
     cells_mirror_sums(g, &sums, own_mirrors, m->mirror.n);
-    find_gradients(g, what, m->ninner, m->nnear);
+    seen_lines(g, what, m->nown, m->ncells, S);
+    seen_lines(g, what, m->ncells + own_mirrors, m->size, S);
+    find_gradients(g, what, S, m->ninner, m->nnear);
     if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->wall.drag, d->gradient);
-    find_fluxes(g, what, m->face.nlocal, m->face.n);
+    find_fluxes(g, what, S, m->face.nlocal, m->face.n);
     if (what == HEAT && d->lifts) drop_friction(g, weight);
 }
 
@@ -463,7 +485,6 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     struct cells_diffuser *d = g->cells->diffuser;
     const struct polyhedra *m = g->cells->polyhedra;
     const double *from = Y0->block[0];
-    const int radial = m->round.radial;
     double M[MAX_DIM + 1][BATCH];
     long count = 0;
     flow(g, what, weight);
@@ -473,7 +494,8 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
         const int n = m->nown - at < BATCH ? m->nown - at : BATCH;
         for (int v = 0; v <= (what == VISCOUS ? g->components : 0); v++)
             cells_residuals(g->cells, at, n, g->cells->flux[v], M[v]);
-        if (d->turn && what == VISCOUS) cells_turn_push(g, d->turn, radial, at, n, M[radial]);
+        for (int v = 0; v < g->components && d->turn && what == VISCOUS; v++)
+            cells_turn_push(g, d->turn, v, at, n, M[v]);
         const double *E = from + energy_at(g) * g->size;
         count += move_row(g, &(struct moved){what, {0, at, n}, from, E, to->block[0], dt, M});
     }

@@ -3,7 +3,7 @@
  * gradients beyond them. Walls act in the frame of the face, other rules in the axes of the mesh, in which their values
  * are given. */
 #include "libcore/gas/patch.h"
-#include "libcore/polyhedral/cells.h"
+#include "libcore/polyhedral/cells_diffuser.h"
 
 struct frame { /* of one face: the normal, then the tangents */
     double axis[MAX_DIM][MAX_DIM];
@@ -88,11 +88,11 @@ static int patch_run(const struct gas *g, int from, int to) {
 
 void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]) {
     for (int n; from < to; from += n) {
+        const struct patch_rules *r = &g->patches.rules[g->cells->polyhedra->mirror.patch[from]];
+        const bool held = g->models.transport && wall_holds(r);
         n = patch_run(g, from, to);
-        if (g->models.transport && wall_holds(&g->patches.rules[g->cells->polyhedra->mirror.patch[from]]))
-            held_run(g, from, n, U);
-        else
-            mirror_run(g, from, n, U);
+        (held ? held_run : mirror_run)(g, from, n, U);
+        if (g->models.swirl && patch_is_wall(r)) cells_round_beyond(g, from, n, held, U);
     }
 }
 
@@ -117,6 +117,12 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
     }
 }
 
+/* How many times component k of the velocity of a cell is at the face of a mirror what it is in the cell: swirl of a
+ * rigid rotation is so far from the axis. */
+static double turn_out(const struct gas *g, int k, int mirror) {
+    return k == g->models.swirl && k > 0 ? cells_turn_out(g, g->cells->diffuser->turn, mirror) : 1;
+}
+
 /* Square of the velocity of the gas along the wall at a mirror, less the wall's own. */
 static double slip_at(const struct gas *g, const struct patch_rules *r, int mirror, double *const U[MAX_VAR]) {
     const struct polyhedra *m = g->cells->polyhedra;
@@ -124,7 +130,7 @@ static double slip_at(const struct gas *g, const struct patch_rules *r, int mirr
     double w[MAX_DIM], square = 0, across = 0;
     wall_velocity(r, g->components, m->mirror.place[mirror], w);
     for (int k = 0; k < g->components; k++) {
-        const double s = U[k + 1][cell] / U[0][cell] - w[k];
+        const double s = turn_out(g, k, mirror) * (U[k + 1][cell] / U[0][cell]) - w[k];
         square += s * s;
         if (k < g->dim) across += s * m->mirror.normal[k][mirror];
     }
@@ -211,6 +217,7 @@ static void mirror_sums_run(const struct gas *g, const struct mirror_sums *s, in
         const struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
         for (int c = 0; c < lines; c++) {
             inner[c][i] = S[c][m->mirror.cell[from + i]];
+            if (what == VISCOUS) inner[c][i] *= turn_out(g, c, from + i);
             beyond[c][i] = start[c][m->ncells + from + i];
         }
         if (!turn) continue;
@@ -285,8 +292,13 @@ void cells_slide(const struct gas *g, double weight, const double *stays, double
         double w[MAX_DIM], drag = 0;
         if (!wall_slides(r)) continue;
         wall_velocity(r, g->components, m->mirror.place[i], w);
-        for (int k = 0; k < g->components; k++)
-            drag += g->cells->flux[k][face] * (weight * w[k] - 0.5 * (S[k][m->mirror.cell[i]] + S[k][m->ncells + i]));
+        for (int k = 0; k < g->components; k++) {
+            const double inside = turn_out(g, k, i) * S[k][m->mirror.cell[i]];
+            const double work = weight * w[k] - 0.5 * (inside + S[k][m->ncells + i]);
+            const bool around = k == g->models.swirl && k > 0;
+            const double arm = around ? cells_round_levers(g)[face] / m->round.reach[face] : 1;
+            drag += g->cells->flux[k][face] * (around ? arm * work : work);
+        }
         g->cells->flux[g->components][face] += stays[i] * drag;
     }
 }

@@ -25,7 +25,7 @@ static double passed(const struct gas *g, enum diffusing what, int i, int c, con
     double *const *normal = g->cells->polyhedra->face.normal, along = 0;
     if (what == HEAT) return d->face[2][i] * d->inverse[i] * jump[0];
     for (int k = 0; k < g->dim; k++) along += normal[k][i] * jump[k];
-    if (c >= g->dim) return d->face[1][i] * jump[c] * d->inverse[i];
+    if (c >= g->dim) return d->face[1][i] * jump[c] * d->inverse[i]; /* of a swirl but for some h/r */
     return (d->face[1][i] * jump[c] + (d->face[0][i] + d->face[1][i]) * normal[c][i] * along) * d->inverse[i];
 }
 

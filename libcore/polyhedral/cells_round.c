@@ -4,7 +4,13 @@
  * the radius: p A_2/V, A_2 the area of the cell in the plane, p its mean there. A_2 is taken as the sum over the faces
  * of area times normal, which is the same: uniform p is in balance to round-off. The mean is that of a linear p, whose
  * slope comes from the states of the cell's own polynomial on its faces, as the average of a cell stands at another
- * centre. */
+ * centre. With a swirl u_s the sides push with p + rho u_s^2.
+ *
+ * rho u_s changes by torques: the flux through a face is the torque over the lever of the face, int r^2 over int r, and
+ * a cell has the arm int r^3 over int r^2, with which rho u_s V arm is its angular momentum, exact in rigid rotation:
+ *     d(rho u_s)/dt = -sum over the faces of (lever A F)/(V arm)
+ * Angular momentum is conserved to round-off. Cells whose faces are limited have the weights of mass and energy, and
+ * what their own p and u_s do on their sides, as in libcore/lattice/tiles_round.c. */
 #include "libcore/polyhedral/cells.h"
 
 #include <stdlib.h>
@@ -12,15 +18,46 @@
 struct cells_round {
     double *side;      /* [nown] A_2/V, 1/m */
     double *length;    /* [faces] of the faces in the plane, m^(dim-1) */
-    double *inside[2]; /* [faces] Pa: p on a face by the polynomial of its left and right cell */
+    double *inside[2]; /* [faces] Pa: p + rho u_s^2 on a face by the polynomial of its left and right cell */
+    double *lever;     /* [faces] m; with a swirl, as all below */
+    double *weight;    /* [points] of the means over faces for the torque, sum to 1 over a face */
+    double *inertia;   /* [nown] 1/(V arm), 1/m^(dim+1) */
 };
 
 void cells_round_free(struct cells_round *r) {
     if (!r) return;
     free(r->side);
     free(r->length);
+    free(r->lever);
+    free(r->weight);
+    free(r->inertia);
     for (int side = 0; side < 2; side++) free(r->inside[side]);
     free(r);
+}
+
+/* Sets the lever of a face and the weights of its points. */
+static void set_lever(const struct polyhedra *m, struct cells_round *r, int face) {
+    const int radial = m->round.radial;
+    const double from = m->centre[radial][m->face.left[face]] - m->round.at;
+    double sum = 0;
+    for (int p = m->face.point_start[face]; p < m->face.point_start[face + 1]; p++) {
+        r->weight[p] = m->point.weight[p] * (from + m->point.arm[0][radial][p]);
+        sum += r->weight[p];
+    }
+    const bool on_axis = m->round.reach[face] < NO_RADIUS;
+    r->lever[face] = on_axis ? 0 : sum;
+    for (int p = m->face.point_start[face]; p < m->face.point_start[face + 1]; p++)
+        r->weight[p] = on_axis ? m->point.weight[p] : r->weight[p] / sum;
+}
+
+/* What a swirl needs besides. */
+static status make_swirl(const struct polyhedra *m, struct cells_round *r) {
+    TRY(allocate(&r->lever, m->face.n + SLACK, sizeof(double), "the faces"));
+    TRY(allocate(&r->weight, m->point.n, sizeof(double), "the faces"));
+    TRY(allocate(&r->inertia, m->nown, sizeof(double), "the cells"));
+    for (int face = 0; face < m->face.n; face++) set_lever(m, r, face);
+    for (int i = 0; i < m->nown; i++) r->inertia[i] = 1 / (m->volume[i] * polyhedra_arm(m, i));
+    return OK;
 }
 
 status cells_round_make(struct gas *g) {
@@ -41,7 +78,7 @@ status cells_round_make(struct gas *g) {
         }
         c->round->side[i] = sum * c->inverse_volume[i];
     }
-    return OK;
+    return g->models.swirl ? make_swirl(m, c->round) : OK;
 }
 
 void cells_round_note(const struct gas *g, int first, int last, const double *left, const double *right) {
@@ -70,12 +107,83 @@ static double plane_mean(const struct gas *g, int i) {
     return sum / volume;
 }
 
-void cells_round_push(const struct gas *g, int at, int n, const double *U, double *const residual[MAX_VAR]) {
-    const int radial = g->cells->polyhedra->round.radial;
+/* What the sides of n cells push with; of limited cells by their own states alone, which have swirl, too. */
+static void push_sides(const struct gas *g, int at, int n, const double *U, const double *flag,
+                       const struct cells_primitives *q, double *residual) {
+    const int swirl = g->models.swirl;
+    for (int i = 0; i < n; i++) {
+        const double around = swirl ? U[(swirl + 1) * g->size + i] * q->velocity[swirl][i] : 0;
+        const bool alone = swirl && flag && flag[i] > 0;
+        residual[i] += g->cells->round->side[at + i] * ((q->p[i] + around) + (alone ? 0 : plane_mean(g, at + i)));
+    }
+}
+
+/* Makes of the residual of rho u_s that of torques, or of limited cells that of the flow through their sides. */
+static void push_around(const struct gas *g, int at, int n, const double *U, const double *flag,
+                        const struct cells_primitives *q, double *residual) {
+    const struct cells_round *r = g->cells->round;
+    const int radial = g->cells->polyhedra->round.radial, swirl = g->models.swirl;
+    for (int i = 0; i < n; i++)
+        if (flag && flag[i] > 0)
+            residual[i] -= r->side[at + i] * (U[(swirl + 1) * g->size + i] * q->velocity[radial][i]);
+        else
+            residual[i] = cells_round_torque(g, at + i, g->cells->flux[swirl + 1]);
+}
+
+void cells_round_push(const struct gas *g, int at, int n, const double *U, const double *flag,
+                      double *const residual[MAX_VAR]) {
     struct cells_primitives q;
     cells_primitives(g, n, U, &q);
-    for (int i = 0; i < n; i++)
-        residual[radial + 1][i] += g->cells->round->side[at + i] * (q.p[i] + plane_mean(g, at + i));
+    push_sides(g, at, n, U, flag, &q, residual[g->cells->polyhedra->round.radial + 1]);
+    if (g->models.swirl) push_around(g, at, n, U, flag, &q, residual[g->models.swirl + 1]);
+}
+
+/* The part by which p grows from a cell at radius r to R beyond a wall at `rim`, where its swirl u makes a slope of p.
+ */
+static double rise(double rho, double u, double p, double r, double R, double rim) {
+    const double slope = rho * (u / r) * (u / r) * rim;
+    return smaller(larger(slope * (R - r) / (p + 1e-300), -0.5), 0.5);
+}
+
+void cells_round_beyond(const struct gas *g, int from, int n, bool held, double *const U[MAX_VAR]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const int swirl = g->models.swirl, last = energy_at(g);
+    const double *at = m->centre[m->round.radial], *rim = m->round.rim + from;
+    double inner[MAX_VAR][BATCH] = {{0}}, velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c2[BATCH], gruneisen[BATCH];
+    double *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < n; i++) inner[v][i] = U[v][m->mirror.cell[from + i]];
+    velocity_row(n, g->components, BATCH, inner[0], u, eps);
+    g->models.eos->state(&g->models.material, n, inner[0], eps, p, c2, gruneisen);
+    for (int i = 0; i < n; i++) {
+        const int ghost = m->ncells + from + i;
+        const double r = at[m->mirror.cell[from + i]] - m->round.at, R = at[ghost] - m->round.at;
+        const double rho = U[0][ghost], spin = u[swirl][i], beyond = rim[i] < NO_RADIUS ? -spin : spin * (R / r);
+        if (rim[i] > NO_RADIUS) U[last][ghost] += rho * eps[i] * rise(rho, spin, p[i], r, R, rim[i]);
+        if (held) continue;
+        U[swirl + 1][ghost] = rho * beyond;
+        U[last][ghost] += 0.5 * rho * (beyond * beyond - spin * spin);
+    }
+}
+
+double cells_round_torque(const struct gas *g, int i, const double *flux) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const struct cells_round *r = g->cells->round;
+    double sum = 0;
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        const int entry = m->face_of_cell[j], face = entry < 0 ? ~entry : entry;
+        const double part = r->lever[face] * flux[face];
+        sum += entry < 0 ? part : -part;
+    }
+    return sum * r->inertia[i];
+}
+
+const double *cells_round_levers(const struct gas *g) {
+    return g->cells->round->lever;
+}
+
+const double *cells_round_weights(const struct gas *g) {
+    return g->cells->round->weight;
 }
 
 double cells_round_side(const struct gas *g, int i) {

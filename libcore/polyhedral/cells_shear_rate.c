@@ -78,12 +78,17 @@ static void slide_along(struct gas *g, int mirror) {
         for (int c = 0; c < lines; c++) gradient[k * lines + c][cell] += W[k] * s[c];
 }
 
-/* Sets u_r/r of n cells from `at` on. Returns NULL if the mesh is none of a body of revolution. */
+/* Sets u_r/r of n cells from `at` on, and takes u_s/r from the slope of the swirl along the radius. Returns NULL if the
+ * mesh is none of a body of revolution. */
 static const double *turn_of(const struct gas *g, int at, int n, double *around) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const int radial = m->round.radial;
-    for (int i = 0; i < n && radial >= 0; i++)
-        around[i] = g->cells->shear_rate->velocity[radial][at + i] / (m->centre[radial][at + i] - m->round.at);
+    const struct cells_shear_rate *x = g->cells->shear_rate;
+    const int radial = m->round.radial, swirl = g->models.swirl;
+    for (int i = at; i < at + n && radial >= 0; i++) {
+        const double r = m->centre[radial][i] - m->round.at;
+        around[i - at] = x->velocity[radial][i] / r;
+        if (swirl) x->gradient[radial * g->components + swirl][i] -= x->velocity[swirl][i] / r;
+    }
     return radial >= 0 ? around : NULL;
 }
 

@@ -221,13 +221,28 @@ static void set_floors(struct points *p, struct faces *faces) {
 KERNEL static void sum_single(int n, const double *restrict area, const double *restrict out, double *restrict flux) {
     for (int i = 0; i < n; i++) flux[i] = area[i] * (0 + out[i]);
 }
-static void sum_points(const struct polyhedra *m, int first, int last, const double *out, double *flux) {
+static void sum_points(const struct polyhedra *m, int first, int last, const double *weight, const double *out,
+                       double *flux) {
     const int *start = m->face.point_start;
     for (int face = first; face < last; face++) {
         double sum = 0;
-        for (int i = start[face]; i < start[face + 1]; i++) sum += m->point.weight[i] * out[i - start[first]];
+        for (int i = start[face]; i < start[face + 1]; i++) sum += weight[i] * out[i - start[first]];
         flux[face] = m->face.area[face] * sum;
     }
+}
+
+/* Notes what the sides of the cells of round bodies push with. */
+static void note_push(const struct gas *g, int first, int last, const struct points *p) {
+    const int swirl = g->models.swirl;
+    double push[2][BATCH];
+    const double *of_side[2] = {p->p[LEFT], p->p[RIGHT]};
+    for (int side = 0; side < 2 && swirl; side++) {
+        const int at = side ? RIGHT : LEFT;
+        for (int i = 0; i < p->n; i++)
+            push[side][i] = p->p[at][i] + p->state[swirl + 1][at][i] * p->velocity[swirl][at][i];
+        of_side[side] = push[side];
+    }
+    cells_round_note(g, first, last, of_side[0], of_side[1]);
 }
 
 /* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
@@ -247,7 +262,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
         states_beyond(g, U, p);
     if (g->models.flux->paced) set_paces(g, p);
     struct faces faces = point_primitives(g, p);
-    if (c->round) cells_round_note(g, first, last, p->p[LEFT], p->p[RIGHT]);
+    if (c->round) note_push(g, first, last, p);
     if (p->ruled) set_rules(g, from, p, &faces);
     if (cells_fronts_floor(g, p->n, p->face, p->floor)) set_floors(p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
@@ -256,7 +271,10 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
         if (single)
             sum_single(p->n, f->area + first, p->out[v], c->flux[v] + first);
         else
-            sum_points(c->polyhedra, first, last, p->out[v], c->flux[v]);
+            sum_points(c->polyhedra, first, last,
+                       g->models.swirl && v == g->models.swirl + 1 ? cells_round_weights(g)
+                                                                   : c->polyhedra->point.weight,
+                       p->out[v], c->flux[v]);
 }
 
 /* Limits the fluxes through the n faces of p, all of one patch or all internal: each as a whole, between averages. */
@@ -382,7 +400,7 @@ static void update_chunk(struct stage *t, int at) {
         in[v] = s.from + v * m->size;
         cells_residuals(c, at, n, c->flux[v], residual[v]);
     }
-    if (c->round) cells_round_push(g, at, n, s.from, residual);
+    if (c->round) cells_round_push(g, at, n, s.from, flag, residual);
     if (g->falling.cells) weigh_row(g, n, in, falls, flag, residual);
     if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
     update_rows(g, n, &s);

@@ -4,16 +4,19 @@
  * -tau_ss A_2/V (libcore/polyhedral/cells_round.c). tau_ss is found on the faces, with the coefficients and derivatives
  * of the stress there: uniform stress is in balance to round-off. The cell has the mean of its faces, each with the
  * part of the cell between its centre and the face. The rate of strain u_r/r is the cells' own, with r of their
- * centres, between both; on patches it is u_r of the face over r. So u_r = a r is exact on any mesh. */
+ * centres, between both; on patches it is u_r of the face over r. So u_r = a r is exact on any mesh.
+ *
+ * The stress of a swirl is mu r grad w, w = u_s/r, and rigid rotation has none: gradients and jumps are those of w,
+ * with r of the centres of cells and, beyond patches, of the face. The flux through a face is that of the momentum at
+ * its lever, as in cells_round.c; its work is that of the torque with w on the face. */
 #include <stdlib.h>
 
 #include "libcore/polyhedral/cells_diffuser.h"
 
-static const double NO_RADIUS = 1e-100; /* m: less than that is a face on the axis */
-
 struct cells_turn {
     double *part;    /* [entries of face_of_cell] weights of the means over faces */
-    double *inverse; /* [size] 1/r of centres */
+    double *inverse; /* [size] 1/r of centres, of mirrors 1/r of their faces; on the axis that of the cell inside */
+    double *spin;    /* [size], a batch of lanes longer: w, 1/s; NULL: there is no swirl */
     double *around;  /* [faces] u_r/r */
     double *hoop;    /* [faces] tau_ss times the area */
 };
@@ -22,6 +25,7 @@ void cells_turn_free(struct cells_turn *t) {
     if (!t) return;
     free(t->part);
     free(t->inverse);
+    free(t->spin);
     free(t->around);
     free(t->hoop);
     free(t);
@@ -50,11 +54,23 @@ status cells_turn_make(const struct gas *g, struct cells_turn **out) {
     TRY(allocate(&t->around, m->face.n + SLACK, sizeof(double), "diffusion"));
     TRY(allocate(&t->hoop, m->face.n + SLACK, sizeof(double), "diffusion"));
     for (int i = 0; i < m->nown; i++) set_parts(m, i, t->part);
-    for (int i = 0; i < m->size; i++) {
-        const double r = m->centre[m->round.radial][i] - m->round.at;
-        t->inverse[i] = r == 0 ? 0 : 1 / r;
+    if (g->models.swirl) TRY(allocate(&t->spin, m->size + LANES, sizeof(double), "diffusion"));
+    for (int i = 0; i < m->ncells; i++) t->inverse[i] = 1 / (m->centre[m->round.radial][i] - m->round.at);
+    for (int i = 0; i < m->mirror.n; i++) {
+        const double rim = m->round.rim[i];
+        t->inverse[m->ncells + i] = rim < NO_RADIUS ? t->inverse[m->mirror.cell[i]] : 1 / rim;
     }
     return OK;
+}
+
+double *cells_turn_spin(const struct gas *g, const struct cells_turn *t, double *const *S, int from, int to) {
+    for (int i = from; i < to; i++) t->spin[i] = S[g->models.swirl][i] * t->inverse[i];
+    return t->spin;
+}
+
+double cells_turn_out(const struct gas *g, const struct cells_turn *t, int mirror) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    return t->inverse[m->mirror.cell[mirror]] / t->inverse[m->ncells + mirror];
 }
 
 void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, double *const *S, const double **around,
@@ -75,6 +91,8 @@ void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, 
 
 void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int at, int n, double *M) {
     const struct polyhedra *m = g->cells->polyhedra;
+    for (int i = 0; i < n && g->models.swirl && v == g->models.swirl; i++)
+        M[i] = cells_round_torque(g, at + i, g->cells->flux[v]);
     if (v != m->round.radial) return;
     for (int i = 0; i < n; i++) {
         double sum = 0;
@@ -84,7 +102,20 @@ void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int
     }
 }
 
-double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i) {
+/* The sum over the faces of cell i that bounds the rate of the swirl. */
+static double rate_around(const struct gas *g, const struct cells_turn *t, int i) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const struct cells_diffuser *d = g->cells->diffuser;
+    const double *lever = cells_round_levers(g);
+    double sum = 0;
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
+        sum += d->face[1][face] * d->inverse[face] * (lever[face] * lever[face]);
+    }
+    return sum * t->inverse[i] / polyhedra_arm(m, i);
+}
+
+double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i, double plane) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_diffuser *d = g->cells->diffuser;
     double sum = 0;
@@ -92,5 +123,6 @@ double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i) {
         const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
         sum += t->part[j] * (d->face[0][face] + 2 * d->face[1][face]);
     }
-    return sum * cells_round_side(g, i) * t->inverse[i] / g->cells->inverse_volume[i];
+    sum = plane + sum * cells_round_side(g, i) * t->inverse[i] / g->cells->inverse_volume[i];
+    return g->models.swirl ? larger(sum, rate_around(g, t, i)) : sum;
 }

@@ -56,6 +56,7 @@ struct polyhedra_mirrors {
     double *normal[3];     /* [dim][n] unit, out of the cell; the frame is the face's */
     double *tangent[2][3]; /* [dim - 1][dim][n] */
 };
+#define NO_RADIUS 1e-100 /* m: a smaller one is that of a face on the axis */
 /* Of a body of revolution (struct revolution of mesh/format/polymesh.h). Averages over cells and faces are weighted by
  * the radius r, exactly: volumes are the integrals of r over the cells in the plane, areas those over the faces,
  * centres, moments and points of faces those of that weight; `thickness` is that of a full turn. A face on the axis has
@@ -65,6 +66,7 @@ struct polyhedra_round {
     double at;      /* m: where the axis lies along it */
     double *radius; /* [size] m: mean radius, the volume over that of the cell in the plane */
     double *reach;  /* [faces] m: mean radius of the face, the area over that in the plane */
+    double *rim;    /* [mirrors] m: that of the faces before mirrors */
     double *lag[3]; /* [dim][nown] m: from the centre to that of the cell in the plane */
 };
 struct polyhedra {
@@ -125,6 +127,8 @@ struct mesh_part;
 status polyhedra_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct mesh_part *part,
                              struct polyhedra **out);
 void polyhedra_free(struct polyhedra *m);
+/* The arm of the angular momentum of an own cell of a body of revolution, m: the integral of r^3 over that of r^2. */
+double polyhedra_arm(const struct polyhedra *m, int cell);
 /* Tells all ranks the centre (middle[]) of a cell of the polyMesh; HUGE_VAL if there is no such cell. Collective. */
 void polyhedra_place(const struct polyhedra *m, long cell, double place[3]);
 

@@ -165,6 +165,7 @@ static status make_round(struct polyhedra *m, const struct links *l) {
     if (m->round.radial < 0) return OK;
     m->thickness *= 6.283185307179586477 / l->all->round.depth;
     TRY(pool_take(&m->pool, &m->round.reach, m->face.n, sizeof *m->round.reach, "the faces"));
+    TRY(pool_take(&m->pool, &m->round.rim, m->mirror.n, sizeof *m->round.rim, "the mirrors"));
     TRY(pool_take(&m->pool, &m->round.radius, m->size, sizeof *m->round.radius, "the cells"));
     return lines_make(m, m->round.lag, m->dim, m->nown, "the cells");
 }
@@ -304,6 +305,7 @@ static status make_mirrors(struct polyhedra *m, const struct links *l, const int
     for (int i = 0; i < mirror->n; i++) {
         struct frame f;
         measure_face(l, l->face[mirror_link[i]], &f);
+        if (m->round.radial >= 0) m->round.rim[i] = radius_of(m, &f);
         for (int k = 0; k < m->dim; k++) {
             mirror->normal[k][i] = f.normal[k];
             for (int t = 0; t < m->dim - 1; t++) mirror->tangent[t][k][i] = f.tangent[t][k];
@@ -509,4 +511,10 @@ status geometry_make(struct polyhedra *m, const struct links *l, const int *loca
     TRY(make_faces(m, l, link_of));
     TRY(make_points(m, l, link_of, order));
     return make_rims(m, l, local, order);
+}
+
+double polyhedra_arm(const struct polyhedra *m, int cell) {
+    const int radial = m->round.radial;
+    const double r = m->centre[radial][cell] - m->round.at;
+    return r + m->moment[moment_of(m->dim, radial, radial)][cell] / r;
 }

@@ -130,9 +130,6 @@ static status gas_read_state(struct setup *s) {
     if (s->lattice && g->models->skip_axes && !implicit) TRY(uniform_find(s->mesh, g->initial, s->lattice));
     if (s->lattice) s->lattice->even = models->transport && !implicit;
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
-    if (models->swirl && s->grid->polyhedra)
-        return round_refuse(s, "swirl, a velocity around the axis, on polyhedra",
-                            "take that component out of U, or mesh it by blocks of equal cells");
     TRY(check_scheme(s, g));
     if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)
         return dict_fail(g->models->properties, "transport",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Bodies of revolution: the first eight families, fields that cool, and open sides, in (axial, radial) or radial cells
- * on the axis or beside it, with transport, and on lattices with a swirl around it. */
+ * on the axis or beside it, with transport, and with a swirl around it. */
 #include "tests/stress/problem.h"
 
 #include "tests/defaults.h"
@@ -43,7 +43,7 @@ static void round_box(struct problem *p, struct seed *s) {
 static void round_swirl(struct problem *p, struct seed *s) {
     const double speed = sqrt(grains_T(p)) * seed_power(s, -2, 2), along = sqrt(grains_T(p)) * seed_power(s, -2, 2);
     const bool both = p->dim == 1 && seed_below(s, 2);
-    if (p->polyhedral || seed_below(s, 3) == 0) return;
+    if (seed_below(s, 3) == 0) return;
     p->swirl = p->dim;
     p->components = p->dim + 1 + both;
     p->wave[4][p->swirl] = speed * seed_sign(s);

@@ -102,9 +102,10 @@ struct census {
     long double sum[MAX_VAR], magnitude[4];
 };
 
-/* The arm of the angular momentum of a cell of a round lattice: the integral of r^2 over that of r. */
-static long double arm_of(const struct gas *g, double volume) {
+/* The arm of the angular momentum of cell i of a body of revolution. */
+static long double arm_of(const struct gas *g, long i, double volume) {
     if (!g->models.swirl) return 0;
+    if (!g->forest) return polyhedra_arm(g->cells->polyhedra, (int)i);
     const long double r = volume / g->forest->volume, h = g->forest->width[g->forest->radial];
     return r + h * h / (4 * r);
 }
@@ -115,10 +116,9 @@ static void tally_visit(void *context, long cell, double volume, const double U[
     struct census *t = context;
     const struct gas *g = t->g;
     double eps = (double)((U[g->components + 1] - kinetic(g->components, U)) / U[0]), p, c2, gruneisen;
-    (void)cell;
     g->models.eos->state(&g->models.material, 1, U, &eps, &p, &c2, &gruneisen);
     long double speed = sqrtl(2 * kinetic(g->components, U) / U[0]) + sqrtl(c2);
-    const long double arm = arm_of(g, volume);
+    const long double arm = arm_of(g, cell, volume);
     for (int v = 0; v < g->nvar; v++)
         t->sum[v] += (long double)volume * U[v] * (g->models.swirl && v == g->models.swirl + 1 ? arm : 1);
     t->magnitude[0] += (long double)volume * U[0];
