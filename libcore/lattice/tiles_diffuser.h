@@ -14,8 +14,8 @@ enum { NORMAL, SHEAR, CONDUCTION, FACE_LINES };
  * wall that stays in the gas. (The share of heat is in the coefficients.) */
 enum { DRAG, STAYS, WALL_LINES };
 /* Lines of a body of revolution, with the radius r: h/(2 r) of cells; of the faces below them along the radius h/(2 r),
- * 0 on the axis, and 1 there, 0 elsewhere. */
-enum { LEAN, RING, ON_AXIS, TURN_LINES };
+ * 0 on the axis; 1 there, 0 elsewhere; and the ratio of r of the cells below and above them, 1 on patches. */
+enum { LEAN, RING, ON_AXIS, NEARER, TURN_LINES };
 
 struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins with their number */
     double **sum[2];   /* components of u: S of the last stage, with one layer of ghosts, and S of the stage before */
@@ -102,7 +102,7 @@ double edge_widens(const struct gas *g, int tile, const struct edge *e);
 double edge_turn(const struct gas *g, int tile, const struct edge *e);
 /* The ratio of radii of the side and its ghosts. */
 double edge_turn_back(const struct gas *g, int tile, const struct edge *e);
-/* Adds what the faces across the radius bring to the rates of a row; face: their lines. */
+/* The rates of a row over 1/rho, as tiles_diffusion_rates_row; face: the lines of all axes. */
 void tiles_turn_rates(const struct gas *g, int n, const double *turn, const double *face, double (*rate)[BATCH]);
 
 typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);

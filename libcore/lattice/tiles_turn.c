@@ -17,11 +17,15 @@ static void set_turn(const struct forest *f, int tile, double *turn) {
     const double h = f->width[radial];
     for (int i = -1; i <= t->n[radial]; i++) {
         const double face = forest_radius(f, t->low[radial] + i);
+        const bool edge =
+            (i <= 0 && t->side[2 * radial].patch >= 0) || (i == t->n[radial] && t->side[2 * radial + 1].patch >= 0);
         for (int j = 0; j < (f->dim > 1 ? t->n[other] : 1); j++) {
             const long at = f->first + i * f->stride[radial] + j * f->stride[other];
             turn[LEAN * f->size + at] = 0.5 * h / forest_radius(f, t->low[radial] + i + 0.5);
             turn[RING * f->size + at] = face == 0 ? 0 : 0.5 * h / face;
             turn[ON_AXIS * f->size + at] = face == 0;
+            turn[NEARER * f->size + at] =
+                edge ? 1 : forest_radius(f, t->low[radial] + i - 0.5) / forest_radius(f, t->low[radial] + i + 0.5);
         }
     }
 }
@@ -232,22 +236,33 @@ void turn_cross(const struct gas *g, int n, const double *turn, const double *cr
                                 .out = out});
 }
 
-/* Adds the weights of the faces across the radius. Those of the radial stress are the diagonal of its operator, which
- * is tridiagonal, so that no eigenvalue exceeds twice the largest one. */
-KERNEL static void turn_rates(int n, long step, long size, const double *restrict turn, const double *restrict face,
-                              double (*restrict rate)[BATCH]) {
-    const double *restrict normal = face + NORMAL * size, *restrict shear = face + SHEAR * size;
-    const double *restrict heat = face + CONDUCTION * size, *restrict ring = turn + RING * size;
+/* The rates of a row. Twice the largest one bounds the eigenvalues: that of plane flow, with the weights of the areas;
+ * and that of the radial stress, as u_r/r stiffens the cells beside the axis. The operator of the latter is
+ * tridiagonal, so that half the sums of its rows, each column times 1/r, are a bound (Gershgorin). u_r differs along
+ * the axis by the shear alone. step, face: across the radius and along the axis. */
+KERNEL static void turn_rates(int dim, int n, const long step[2], long size, const double *restrict turn,
+                              const double *const face[2], double (*restrict rate)[BATCH]) {
+    const double *restrict normal = face[0] + NORMAL * size, *restrict shear = face[0] + SHEAR * size,
+                           *restrict heat = face[0] + CONDUCTION * size;
+    const double *restrict ring = turn + RING * size, *restrict axis = turn + ON_AXIS * size,
+                           *restrict nearer = turn + NEARER * size;
+    const double *restrict along = face[1];
+    const long up = step[0], on = step[1];
     for (int i = 0; i < n; i++) {
-        const double q = turn[i], a = normal[i], b = shear[i], c = normal[i + step], d = shear[i + step];
-        const double below = a * ((1 - q) + q * ring[i]) + 2 * q * (a - 2 * b);
-        const double above = c * ((1 + q) + q * ring[i + step]) - 2 * q * (c - 2 * d);
-        const double middle = 4 * (a - b); /* of the face on the axis, where q is 1 */
-        rate[0][i] += select_double(turn[ON_AXIS * size + i] > 0, middle, below) + above;
-        rate[1][i] += (1 - q) * heat[i] + (1 + q) * heat[i + step];
+        const double q = turn[i], a = normal[i], c = normal[i + up], e = ring[i], f = ring[i + up];
+        const double below = a * (1 + e + 3 * axis[i]) - 4 * q * shear[i], above = c * (1 - f) + 4 * q * shear[i + up];
+        const double beside = (1 - axis[i]) * a * fabs(1 - e) / nearer[i] + c * (1 + f) * nearer[i + up];
+        const double stretch = dim > 1 ? along[NORMAL * size + i] + along[NORMAL * size + i + on] : 0;
+        const double slide = dim > 1 ? along[SHEAR * size + i] + along[SHEAR * size + i + on] : 0;
+        const double flow = dim > 1 ? along[CONDUCTION * size + i] + along[CONDUCTION * size + i + on] : 0;
+        rate[0][i] = larger((1 - q) * a + (1 + q) * c + stretch, 0.5 * (below + above + beside) + slide);
+        rate[1][i] = (1 - q) * heat[i] + (1 + q) * heat[i + up] + flow;
     }
 }
 
 void tiles_turn_rates(const struct gas *g, int n, const double *turn, const double *face, double (*rate)[BATCH]) {
-    turn_rates(n, g->forest->stride[g->forest->radial], g->size, turn, face, rate);
+    const int radial = g->forest->radial, axial = g->dim > 1 ? 1 - radial : radial;
+    turn_rates(g->dim, n, (const long[]){g->forest->stride[radial], g->forest->stride[axial]}, g->size, turn,
+               (const double *const[]){face + FACE_LINES * radial * g->size, face + FACE_LINES * axial * g->size},
+               rate);
 }
