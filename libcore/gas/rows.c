@@ -147,7 +147,8 @@ void weigh_row(const struct gas *g, int n, const double *const U[MAX_VAR], const
 const double *row_radius(const struct gas *g, int block, long at, int n, double *room) {
     const struct forest *f = g->forest;
     if (!f || f->radial < 0) return NULL;
-    for (int i = 0; i < n; i++) room[i] = forest_radius(f, forest_place_along(f, block, at + i, f->radial) + 0.5);
+    const double place = forest_place_along(f, block, at, f->radial) + 0.5;
+    for (int i = 0; i < n; i++) room[i] = forest_radius(f, f->radial == 0 ? place + i : place);
     return room;
 }
 

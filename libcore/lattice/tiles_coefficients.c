@@ -136,13 +136,13 @@ static void rates_row(const struct gas *g, int tile, long at, int n, double (*ra
     const struct forest *f = g->forest;
     const struct diffuser *d = g->tiles->diffuser;
     const double factor[2] = {1, temperature_of(&g->models.material, 1)}, *light = d->light[tile] + at;
-    memset(rate, 0, 2 * sizeof *rate);
-    for (int axis = 0; axis < g->dim; axis++) {
-        const double *face = d->face[tile] + FACE_LINES * axis * f->size + at;
-        if (axis == f->radial)
-            tiles_turn_rates(g, n, turn_line(g, tile, 0) + at, face, rate);
-        else
-            add_rates(n, f->stride[axis], f->size, face, rate);
+    const double *face = d->face[tile] + at;
+    if (d->turn) {
+        tiles_turn_rates(g, n, turn_line(g, tile, 0) + at, face, rate);
+    } else {
+        memset(rate, 0, 2 * sizeof *rate);
+        for (int axis = 0; axis < g->dim; axis++)
+            add_rates(n, f->stride[axis], f->size, face + FACE_LINES * axis * f->size, rate);
     }
     for (int what = 0; what < 2; what++)
         for (int i = 0; i < n; i++) rate[what][i] = factor[what] * rate[what][i] * light[i];

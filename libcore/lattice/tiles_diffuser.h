@@ -14,8 +14,8 @@ enum { NORMAL, SHEAR, CONDUCTION, FACE_LINES };
  * wall that stays in the gas. (The share of heat is in the coefficients.) */
 enum { DRAG, STAYS, WALL_LINES };
 /* Lines of a body of revolution, with the radius r: h/(2 r) of cells; of the faces below them along the radius h/(2 r),
- * 0 on the axis, and 1 there, 0 elsewhere. */
-enum { LEAN, RING, ON_AXIS, TURN_LINES };
+ * 0 on the axis; 1 there, 0 elsewhere; and the ratio of r of the cells below and above them, 1 on patches. */
+enum { LEAN, RING, ON_AXIS, NEARER, TURN_LINES };
 
 struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins with their number */
     double **sum[2];   /* components of u: S of the last stage, with one layer of ghosts, and S of the stage before */
@@ -54,6 +54,17 @@ enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: place of its
  * around the axis of a body of revolution. */
 enum { HOOP = MAX_DIM + 1, STRESS_LINES };
 
+/* S of the next stage, which takes the place of the sum before the last. c: factors of the last S, of the S before, of
+ * the gain over rho, and of q_0. */
+ALWAYS_INLINE double next_sum(const double *c, double last, double before, double gain, double light, double start) {
+    return (c[0] * last + c[1] * before) + (c[2] * (gain * light) + c[3] * start);
+}
+
+struct stage_row { /* what next_sum takes in a row of cells, and `next`, which it sets */
+    const double *restrict c, *restrict light, *restrict start, *restrict last;
+    double *restrict next;
+};
+
 struct stress_row { /* the faces below n cells along an axis; lines stand at the first cell */
     int n, axis;
     double h;  /* width of a cell along the axis */
@@ -73,11 +84,14 @@ struct turn_row { /* what n cells gain in a line, by the faces below and above a
     const double *low, *high, *hoop_low, *hoop_high;
     const double *along[2]; /* NULL: the mesh has no cells along the axis */
     const double *turn;
-    double *out;
+    double *out;         /* NULL: the gains go to the next sums */
+    struct stage_row to; /* of those */
 };
 void turn_gain(const struct gas *g, const struct turn_row *r);
-/* The heat that conduction brings to n cells. */
-void turn_heat(const struct gas *g, int n, const double *turn, const double *face, const double *S, double *out);
+/* The heat that conduction brings to n cells whose last sum is to->last: goes to `out`; NULL: with that of friction to
+ * the next sum. */
+void turn_heat(const struct gas *g, int n, const double *turn, const double *face, const double *friction,
+               const struct stage_row *to, double *out);
 /* That of the gradient of rho; cross: the line of the faces below them along axis 0. */
 void turn_cross(const struct gas *g, int n, const double *turn, const double *cross, double *out);
 /* The ratio of radii of a side and its cells, 1 where the mesh or the side has none: of the area of a cell's face to
@@ -87,7 +101,7 @@ double edge_widens(const struct gas *g, int tile, const struct edge *e);
 double edge_turn(const struct gas *g, int tile, const struct edge *e);
 /* The ratio of radii of the side and its ghosts. */
 double edge_turn_back(const struct gas *g, int tile, const struct edge *e);
-/* Adds what the faces across the radius bring to the rates of a row; face: their lines. */
+/* The rates of a row over 1/rho, as tiles_diffusion_rates_row; face: the lines of all axes. */
 void tiles_turn_rates(const struct gas *g, int n, const double *turn, const double *face, double (*rate)[BATCH]);
 
 typedef void edge_visitor(struct gas *g, int tile, const struct edge *e, const void *context);

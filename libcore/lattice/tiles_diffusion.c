@@ -26,12 +26,6 @@ static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
     s->bad += move_row(s->g, &(struct moved){s->what, {s->tile, at, n}, s->Y0, s->E, s->to, s->dt, M});
 }
 
-/* S of the next stage, which takes the place of the sum before the last. c: factors of the last S, of the S before, of
- * the gain over rho, and of q_0. */
-ALWAYS_INLINE double next_sum(const double *c, double last, double before, double gain, double light, double start) {
-    return (c[0] * last + c[1] * before) + (c[2] * (gain * light) + c[3] * start);
-}
-
 /* The heat that conduction brings to a cell, at which the lines stand. Terms that a swap of axes or a mirror exchanges
  * are added without fma. */
 ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
@@ -44,11 +38,6 @@ ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const dou
     }
     return sum;
 }
-
-struct stage_row { /* what next_sum takes in a row of cells, and `next`, which it sets */
-    const double *restrict c, *restrict light, *restrict start, *restrict last;
-    double *restrict next;
-};
 
 ALWAYS_INLINE void heat_next(int n, int dim, const long *stride, long size, const double *restrict face,
                              const double *restrict friction, const struct stage_row *restrict r) {
@@ -64,12 +53,6 @@ ALWAYS_INLINE void heat_gains(int n, int dim, const long *stride, long size, con
     for (int i = 0; i < n; i++) out[i] = heat_gain(dim, stride, size, face + i, S + i);
 }
 
-ALWAYS_INLINE void next_of_gains(int n, const double *restrict gain, const struct stage_row *restrict r) {
-    const double *c = r->c, *light = r->light, *start = r->start, *last = r->last;
-    double *next = r->next;
-    for (int i = 0; i < n; i++) next[i] = next_sum(c, last[i], next[i], gain[i], light[i], start[i]);
-}
-
 ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = s->g->tiles->diffuser;
@@ -83,13 +66,11 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
             const double *friction = s->g->diffusion.friction[s->tile] + at;
             const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + at, s->S + at,
                                           s->next + at};
-            if (turn) turn_heat(s->g, n[0], turn + at, face, s->S + at, M[0]);
-            if (s->c && turn) {
-                next_of_gains(n[0], M[0], &row);
-                for (int i = 0; i < n[0]; i++) row.next[i] += s->c[4] * friction[i];
-            } else if (s->c)
+            if (turn)
+                turn_heat(s->g, vectors, turn + at, face, friction, &row, s->c ? NULL : M[0]);
+            else if (s->c)
                 heat_next(vectors, dim, f->stride, f->size, face, friction, &row);
-            else if (!turn)
+            else
                 heat_gains(vectors, dim, f->stride, f->size, face, s->S + at, M[0]);
             if (!s->c) end_row(s, at, n[0], M);
         }
@@ -220,39 +201,39 @@ struct row_lines { /* lines of the faces around a row of cells, as struct faces_
 };
 
 /* What a row of cells gains in line v in a body of revolution. */
-static void turn_gain_of(const struct sweep *s, int v, int n, const double *turn, const struct row_lines *l,
-                         double *out) {
+static void turn_gain_of(const struct sweep *s, int v, const double *turn, const struct row_lines *l,
+                         const struct stage_row *to, double *out) {
     const bool across = s->g->forest->radial == 0; /* is it axis 0 that leads along the radius? */
     const double *x[2] = {l->x[v], l->x[v] + 1}, *y[2] = {l->y[0][v], l->y[1][v]};
     const double **radial = across ? x : y, **axial = across ? y : x;
-    turn_gain(s->g, &(struct turn_row){.n = n,
+    turn_gain(s->g, &(struct turn_row){.n = padded(s->g->forest->tile[s->tile].n[0]),
                                        .line = v,
                                        .low = radial[0],
                                        .high = radial[1],
                                        .hoop_low = across ? l->x[HOOP] : l->y[0][HOOP],
                                        .hoop_high = across ? l->x[HOOP] + 1 : l->y[1][HOOP],
-                                       .along = {s->g->dim > 1 ? axial[0] : NULL, axial[1]},
+                                       .along = {axial[0], axial[1]},
                                        .turn = turn,
-                                       .out = out});
+                                       .out = out,
+                                       .to = *to});
 }
 
 /* Takes what the faces bring to a row of cells: to S of the next stage, or in the end to M. */
 ALWAYS_INLINE void take_gains(struct sweep *s, int dim, int lines, const double *turn, long at,
                               const struct row_lines *l, double (*M)[BATCH]) {
     const struct diffuser *d = s->g->tiles->diffuser;
-    const int n = s->g->forest->tile[s->tile].n[0], vectors = padded(n);
+    const int vectors = padded(s->g->forest->tile[s->tile].n[0]);
     const long size = s->g->forest->size;
     for (int v = 0; v < lines; v++) {
         const struct faces_around around = {l->x[v], {l->y[0][v], l->y[1][v]}, {l->z[0][v], l->z[1][v]}};
         const long to = v * size + at;
         const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + to, s->S + to, s->next + to};
         if (turn)
-            turn_gain_of(s, v, n, turn + at, l, M[v]);
+            turn_gain_of(s, v, turn + at, l, &row, M ? M[v] : NULL);
         else if (M)
             gain_row(vectors, dim, &around, M[v]);
         else
             next_row(vectors, dim, &around, &row);
-        if (turn && s->c) next_of_gains(n, M[v], &row);
     }
 }
 
@@ -303,8 +284,7 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
                     stress_row(s, 2, plain, top, (i ? here : outer[0]) + EDGE, (i ? outer[1] : here) + EDGE, z[i]));
             }
             if (ends && s->g->books.tally) note_sides(s, j, k, x[0], low[0], high[0], z[0][0], z[1][0]);
-            take_gains(s, dim, m + ends, turn, at, &(struct row_lines){x, {low, high}, {z[0], z[1]}},
-                       ends || round ? M : NULL);
+            take_gains(s, dim, m + ends, turn, at, &(struct row_lines){x, {low, high}, {z[0], z[1]}}, ends ? M : NULL);
             if (ends) end_row(s, at, n[0], M);
         }
 }

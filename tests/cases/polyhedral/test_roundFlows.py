@@ -6,6 +6,7 @@ References: rigid rotation, which has no stress; uniform expansion, which has th
 by torque times angular velocity.
 """
 import os
+import re
 import unittest
 
 import numpy as np
@@ -267,6 +268,20 @@ class RoundFlows(harness.Folder, unittest.TestCase):
                     # on polyhedra E of the means changes by h^2 besides; without u_r/r the rate would differ by a tenth
                     np.testing.assert_allclose(cooled(name + str(len(engine)), U, **engine), plane, rtol=1e-3 if engine else 1e-4)
 
+    def test_stages(self):
+        """Super steps about the axis have the stages of plane flow (on radial cells one more), and damp what changes from cell to cell: with
+        the rates of plane flow the cells beside the axis are unstable."""
+        for n, size in (((24, 32, 1), (0.6, 0.8, 0.1)), ((1, 20, 1), (1.0, 0.5, 0.1))):
+            stages = []
+            for plane in (False, True):
+                case, x = self.case(f"stages{n[0]}{plane}", n, size, lambda x, r: (0 * r, SLOW * (-1.0)**np.rint(r / size[1] * n[1] - 0.5), 0 * r),
+                                    0.3, {"yHigh": "noSlip"}, {"x": "cyclic", "yLow": "symmetryPlane"}, T_wall="fixedValue; value uniform 1")
+                if plane:
+                    os.remove(os.path.join(case, "system", "meshDict"))
+                log = harness.program("granularGas", "-case", case).stdout
+                stages.append(float(re.findall(r"in ([\d.]+) stages of viscous stress", log)[-1]))
+                self.assertLess(np.abs(harness.haff.Case(case).field("U")).max(), 1e-4 * SLOW)
+            self.assertLessEqual(stages[0], stages[1] + (n[0] == 1))
     def test_implicit(self):
         """Implicit diffusion finds the flow that super steps find."""
         for engine in ({}, POLYHEDRAL):
