@@ -247,10 +247,10 @@ static inline void add(double *sum, int dim, double w, const double u[3]) {
     }
 }
 
-void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]) {
+void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3], const uint8_t *kinds) {
     const struct grain_kinds *all = c->grid.kinds;
-    for (int i = 0, kind = 0; i < n; i++) {
-        while (all && kind < all->n - 1 && i >= all->first[kind + 1]) kind++;
+    for (int i = 0; i < n; i++) {
+        const int kind = all ? kinds[i] : 0;
         if (isnan(x[i][0])) continue; /* it has left */
         const int m = spread(c, x[i]);
         for (int j = 0; j < m; j++) {

@@ -58,9 +58,9 @@ void coarse_free(struct coarse *c);
 struct grain_observer *coarse_observer(struct coarse *c);
 
 void coarse_clear(struct coarse *c); /* sets all sums to 0 */
-/* Adds n grains at one moment, in the frame of the box (m, m/s). Grains with x = NAN are not there. x may lie beyond
- * the grid by less than the grid's size; it is mirrored or wrapped. */
-void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3]);
+/* Adds n grains at one moment, in the frame of the box (m, m/s), of a mixture with their kinds (else NULL). Grains with
+ * x = NAN are not there. x may lie beyond the grid by less than the grid's size; it is mirrored or wrapped. */
+void coarse_sample(struct coarse *c, int n, const double (*x)[3], const double (*u)[3], const uint8_t *kinds);
 /* The same of rough grains with spins (1/s). */
 void coarse_rough(struct coarse *c, int n, const double (*x)[3], const double (*u)[3], const double (*spin)[3]);
 struct coarse_contact { /* of a grain at x: vector from the other grain's centre, or from the wall, and force on it */

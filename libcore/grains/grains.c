@@ -34,7 +34,6 @@ static status check_box(const struct grain_box *box, const struct grain_law *law
         return fail(ERR_INPUT, "a restitution of %g; it must lie in 0 to 1", law->restitution);
     if (!(law->threshold >= 0))
         return fail(ERR_INPUT, "a threshold of %g m/s; it must not be negative", law->threshold);
-    if (law->kinds.n && box->fed) return fail(ERR_INPUT, "grains that come in are of one kind");
     if (box->facets && 0.5 * d > box->facets->space.reach * (1 + 1e-9))
         return fail(ERR_INPUT, "the walls are made for grains of at most %g m", 2 * box->facets->space.reach);
     for (int k = 0; k < box->dim; k++) {
@@ -288,7 +287,10 @@ static status resume(struct grains *g, const struct grain_save *save) {
     memcpy(g->event, save->event, (size_t)g->n * sizeof *g->event);
     memcpy(g->id, save->id, (size_t)g->n * sizeof *g->id);
     TRY(check_ids(g));
-    grains_set_kinds(g);
+    if (save->kind)
+        memcpy(g->kind, save->kind, (size_t)g->n);
+    else
+        grains_set_kinds(g);
     for (int i = 0; i < g->n; i++) TRY(check_saved(g, i));
     grains_cells_fill(g);
     grains_vacant_find(g);
@@ -513,6 +515,15 @@ const struct grain_event *grains_events(const struct grains *g) {
 }
 const int32_t *grains_ids(const struct grains *g) {
     return g->id;
+}
+const uint8_t *grains_kinds(const struct grains *g) {
+    return g->kind;
+}
+int grains_kind_of(const struct grains *g, int i) {
+    return g->kind ? g->kind[i] : 0;
+}
+void grains_kinds_by_number(const struct grains *g, uint8_t *kind) {
+    for (int i = 0; i < g->n; i++) kind[g->id[i]] = (uint8_t)grains_kind_of(g, i);
 }
 const struct grain_counts *grains_counted(const struct grains *g) {
     return &g->counts;

@@ -111,6 +111,7 @@ struct grain_save { /* what grains_all, grains_events, grains_ids and grains_cou
     const int32_t *id;
     const struct grain_counts *counts;
     const double (*impulse)[3]; /* of grains_impulses; NULL without facets or shear */
+    const uint8_t *kind;        /* of grains_kinds; NULL: kinds follow from the numbers */
 };
 /* Makes grains from what was saved: the run continues to the bit. */
 status grains_resume(const struct grain_box *box, const struct grain_law *law, const struct grain_save *save,
@@ -121,12 +122,14 @@ void grains_free(struct grains *g);
  * grains_grow, which makes the grains anew with numbers for n of them. */
 status grains_grow(struct grains **g, int n);
 bool grains_is_full(const struct grains *g); /* are all numbers in use? */
-/* Lets a grain come in through an open wall at x (m) with velocity u (m/s, relative to the box), at the time reached.
- * Returns false and changes nothing where another grain or a closed wall is too near, or all numbers are in use. */
-bool grains_enter(struct grains *g, const double x[3], const double u[3], int wall);
+/* Lets a grain of a kind (0 where all are alike) come in through an open wall at x (m) with velocity u (m/s, relative
+ * to the box), at the time reached. Returns false and changes nothing where another grain or a closed wall is too near,
+ * or all numbers are in use. */
+bool grains_enter(struct grains *g, const double x[3], const double u[3], int kind, int wall);
 /* Returns the index of the grain that covers the point x (m) at the time reached, with its place and velocity relative
  * to the box; -1: none does. grains_push adds du (m/s) to its velocity, on behalf of grains beyond an open wall. */
 int grains_covering(const struct grains *g, const double x[3], double at[3], double u[3]);
+int grains_kind_of(const struct grains *g, int i); /* of the grain with that index */
 void grains_push(struct grains *g, int i, const double du[3], int wall);
 
 /* Works off all events up to `until`, but no more than `most` of them; returns the time reached: `until`, or that of
@@ -143,7 +146,11 @@ void grains_energy(const struct grains *g, double *kinetic, double *potential, d
 int grains_number(const struct grains *g);
 const struct grain *grains_all(const struct grains *g);          /* [n] */
 const struct grain_event *grains_events(const struct grains *g); /* [n] */
-const int32_t *grains_ids(const struct grains *g); /* [n]: at index i is number id[i]; indices change now and then */
+const int32_t *grains_ids(const struct grains *g);   /* [n]: at index i is number id[i]; indices change now and then */
+const uint8_t *grains_kinds(const struct grains *g); /* [n] of a mixture, by index; NULL: all are alike */
+/* Sets the kind of each grain by number; 0 where all are alike. In a box that is fed a number changes its kind with the
+ * grain that has it. */
+void grains_kinds_by_number(const struct grains *g, uint8_t *kind);
 const struct grain_counts *grains_counted(const struct grains *g);
 /* Grains that have left through open facets: how many of the n are still there; row w of grains_impulses has the
  * momentum that left through wall w, row walls + w the number of the grains, their kinetic and their potential energy

@@ -29,17 +29,20 @@ static void permute(struct grains *g, uint64_t *order) {
         struct grain grain = g->grain[p];
         struct grain_event event = g->event[p];
         int32_t id = g->id[p];
+        uint8_t kind = g->kind ? g->kind[p] : 0;
         int to = p;
         for (int from = (int)order[p]; from != p; from = (int)order[to]) {
             g->grain[to] = g->grain[from];
             g->event[to] = g->event[from];
             g->id[to] = g->id[from];
+            if (g->kind) g->kind[to] = g->kind[from];
             order[to] = (uint64_t)to;
             to = from;
         }
         g->grain[to] = grain;
         g->event[to] = event;
         g->id[to] = id;
+        if (g->kind) g->kind[to] = kind;
         order[to] = (uint64_t)to;
     }
 }
@@ -74,5 +77,4 @@ void grains_sort(struct grains *g) {
     permute(g, g->order);
     grains_cells_fill(g);
     grains_vacant_find(g);
-    grains_set_kinds(g);
 }

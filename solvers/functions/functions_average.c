@@ -7,11 +7,12 @@
  * its bits. With base iter each step that ends within counts with the fields at its end, by 1. The fields of granularMD
  * are means over the past, of which the right end is the integral; its steps end at timeStart and timeEnd.
  *
- * U and T, which are per unit mass, are weighted by rho, too: with weights w and fields f
+ * U and T, which are per unit mass, are weighted by rho, too (of one kind of grains by its alpha): with weights w and
+ * fields f
  *
  *   fMean = sum w f / sum w,   fPrime2Mean = sum w (f - fMean)(f - fMean) / sum w
  *
- * where w contains rho for them. Both are carried on by West's recursion, which does not lose small fluctuations about
+ * where w contains that for them. Both are carried on by West's recursion, which does not lose small fluctuations about
  * a large mean: W += w, d = f - mean, mean += (w/W) d, squares += w (1 - w/W) d d. Each rank keeps those of its cells,
  * and the fields at the last time, which a restart has again from its state.
  */
@@ -30,6 +31,7 @@ struct item { /* one entry of `fields` */
     bool mean, squared; /* are they written? */
     int base;           /* 0: time, 1: iter */
     bool weighted;
+    int by;                  /* place of what weighs in `weights` */
     int components, squares; /* of the mean; of the mean square: 0, 1, or 6 (xx xy xz yy yz zz) */
     double total;            /* sum of w without rho: s, or steps */
     double *weight;          /* [cells] sum of w if it is weighted; else NULL */
@@ -43,12 +45,14 @@ struct item { /* one entry of `fields` */
 struct average {
     double start, end; /* s */
     bool weighs, afresh, output_afresh;
-    int rho, n;
-    struct item *item;             /* [n] */
-    struct means_cells cells;      /* of this rank */
-    double *rho_last;              /* [cells of this rank] */
-    double *rho_now, *part, *keep; /* [cells of the largest block] */
-    double *all, *out;             /* on the root, for writing: [lines][ncells_all], [6 ncells_all] */
+    struct means_weights weights;
+    int n;
+    struct item *item;        /* [n] */
+    struct means_cells cells; /* of this rank */
+    double *rho_last;         /* [weights.n][cells of this rank] what weighs */
+    double *rho_now;          /* [weights.n][cells of the largest block] */
+    double *part, *keep;      /* [cells of the largest block] */
+    double *all, *out;        /* on the root, for writing: [lines][ncells_all], [6 ncells_all] */
     char file[128];
 };
 
@@ -58,7 +62,8 @@ static const struct param average_param[] = {
     NUMBER("timeStart", start, USUALLY(-HUGE_VAL, "the start"), ANY_TIME("timeStart 1;"), UNIT(0, 0, 1),
            "from which steps count"),
     NUMBER("timeEnd", end, HUGE_VAL, ANY_TIME("timeEnd 2;"), UNIT(0, 0, 1), "to which steps count"),
-    SWITCH("weighted", weighs, true, "are U and T, which are per unit mass, weighted by rho?"),
+    SWITCH("weighted", weighs, true,
+           "are U and T, which are per unit mass, weighted by rho (U.big of a kind by alpha.big)?"),
     SWITCH("restartOnRestart", afresh, false, "does a restart begin the averages anew?"),
     SWITCH("restartOnOutput", output_afresh, false, "do they begin anew after each write?"),
     NOTED("fields", "list of dictionaries", NULL, "fields and what is wanted of each",
@@ -161,13 +166,14 @@ static void take_sample(const struct function *f, const struct item *it, int b, 
 static void take_block(const struct function *f, const struct item *it, int b, const struct ends *w) {
     const struct average *a = f->own;
     const long at = a->cells.first[b];
+    const double *rho_last = a->rho_last + it->by * a->cells.n + at, *rho_now = a->rho_now + it->by * a->cells.largest;
     double *lines[3], *last[3] = {NULL};
     for (int k = 0; k < setup_lines(f->setup, it->field); k++) last[k] = it->last[k] + at;
-    if (w) take_sample(f, it, b, &(struct sample){w->before, a->rho_last + at, last}, it->total + w->before);
+    if (w) take_sample(f, it, b, &(struct sample){w->before, rho_last, last}, it->total + w->before);
     function_block(f, b, it->field, lines);
     for (int k = 0; k < 3 && last[k]; k++)
         memcpy(last[k], lines[k], (size_t)f->setup->grid->block[b].ncells * sizeof(double));
-    if (w) take_sample(f, it, b, &(struct sample){w->now, a->rho_now, lines}, it->total + (w->before + w->now));
+    if (w) take_sample(f, it, b, &(struct sample){w->now, rho_now, lines}, it->total + (w->before + w->now));
 }
 
 static status average_collect(struct function *f, const struct moment *before, const struct moment *now) {
@@ -177,15 +183,16 @@ static status average_collect(struct function *f, const struct moment *before, c
     for (int b = 0; b < f->setup->grid->nblocks; b++) {
         const size_t size = (size_t)f->setup->grid->block[b].ncells * sizeof(double);
         double *lines[3];
-        if (a->weighs) {
-            function_block(f, b, a->rho, lines);
-            memcpy(a->rho_now, lines[0], size);
+        for (int k = 0; k < a->weights.n; k++) {
+            function_block(f, b, a->weights.quantity[k], lines);
+            memcpy(a->rho_now + k * a->cells.largest, lines[0], size);
         }
         for (int i = 0; i < a->n; i++) {
             if (before) w = ends_of(f, &a->item[i], before, now);
             take_block(f, &a->item[i], b, before ? &w : NULL);
         }
-        if (a->weighs) memcpy(a->rho_last + a->cells.first[b], a->rho_now, size);
+        for (int k = 0; k < a->weights.n; k++)
+            memcpy(a->rho_last + k * a->cells.n + a->cells.first[b], a->rho_now + k * a->cells.largest, size);
     }
     for (int i = 0; before && i < a->n; i++) {
         w = ends_of(f, &a->item[i], before, now);
@@ -385,7 +392,7 @@ static status check_other(const struct function *f, struct dict *d, const char *
 }
 
 static status make_item(struct function *f, struct dict *fields, const char *key, struct item *it) {
-    const struct average *a = f->own;
+    struct average *a = f->own;
     struct dict *d;
     TRY(function_field(f, fields, key, key, &it->field));
     TRY(check_other(f, fields, key));
@@ -394,7 +401,9 @@ static status make_item(struct function *f, struct dict *fields, const char *key
     if (!it->mean && !it->squared) return dict_fail(fields, key, "neither mean nor prime2Mean is on");
     it->components = quantity_of(f, it->field)->components;
     it->squares = !it->squared ? 0 : it->components == 3 ? 6 : 1;
-    it->weighted = a->weighs && a->rho >= 0 && means_per_mass(f, it->field);
+    const int by = a->weighs ? means_weight(f, it->field, &a->weights) : -1;
+    it->weighted = by >= 0;
+    it->by = by >= 0 ? by : 0;
     it->nlines = it->weighted + it->components + it->squares;
     snprintf(it->mean_name, sizeof it->mean_name, "%.30sMean", key);
     snprintf(it->squared_name, sizeof it->squared_name, "%.30sPrime2Mean", key);
@@ -407,9 +416,8 @@ static status make_item(struct function *f, struct dict *fields, const char *key
 
 static status make_memory(const struct function *f) {
     struct average *a = f->own;
-    TRY(means_cells_make(f, &a->cells));
-    TRY(pool_take(f->pool, &a->rho_last, a->cells.n + 1, sizeof(double), "averages"));
-    TRY(pool_take(f->pool, &a->rho_now, a->cells.largest, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &a->rho_last, a->weights.n * a->cells.n + 1, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &a->rho_now, (a->weights.n + 1) * a->cells.largest, sizeof(double), "averages"));
     TRY(pool_take(f->pool, &a->part, a->cells.largest, sizeof(double), "averages"));
     return pool_take(f->pool, &a->keep, a->cells.largest, sizeof(double), "averages");
 }
@@ -423,8 +431,7 @@ static status average_make(struct function *f, struct dict *d) {
     TRY(means_file(f, d, a->file));
     TRY(status_note(dict_sub(d, "fields", &fields),
                     "'fields' of fieldAverage says what is wanted of each: ( U { mean on; prime2Mean on; } )"));
-    a->rho = means_density(f);
-    TRY(make_memory(f));
+    TRY(means_cells_make(f, &a->cells));
     const int n = dict_count(fields);
     if (!n) return dict_fail(d, "fields", "it is empty");
     TRY(pool_take(f->pool, &a->item, n, sizeof *a->item, "averages"));
@@ -434,8 +441,7 @@ static status average_make(struct function *f, struct dict *d) {
         e = make_item(f, fields, dict_key(fields, i), &a->item[i]);
     }
     TRY(comm_agree(f->setup->comm, e));
-    a->weighs = false; /* from here on: any of them? */
-    for (int i = 0; i < n; i++) a->weighs |= a->item[i].weighted;
+    TRY(make_memory(f));
     return a->afresh || a->output_afresh ? OK : load(f);
 }
 

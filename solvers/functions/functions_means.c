@@ -9,9 +9,21 @@ int means_density(const struct function *f) {
     return quantity_named(&f->setup->medium->fields, "rho");
 }
 
-bool means_per_mass(const struct function *f, int field) {
-    const char *name = quantity_of(f, field)->name;
-    return !strcmp(name, "U") || !strcmp(name, "T") || !strcmp(name, "TComponents");
+int means_weight(const struct function *f, int field, struct means_weights *w) {
+    const char *name = quantity_of(f, field)->name, *kind = strchr(name, '.');
+    const size_t length = kind ? (size_t)(kind - name) : strlen(name);
+    char own[64];
+    int i = 0;
+    if (strncmp(name, "U", length) != 0 && strncmp(name, "T", length) != 0 &&
+        (kind || strcmp(name, "TComponents") != 0))
+        return -1;
+    snprintf(own, sizeof own, "alpha%s", kind ? kind : "");
+    const int weight = kind ? quantity_named(&f->setup->medium->fields, own) : means_density(f);
+    if (weight < 0) return -1;
+    while (i < w->n && w->quantity[i] != weight) i++;
+    w->quantity[i] = weight;
+    if (i == w->n) w->n++;
+    return i;
 }
 
 status means_cells_make(const struct function *f, struct means_cells *out) {

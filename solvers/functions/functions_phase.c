@@ -3,9 +3,10 @@
  *
  * Bin j holds the moments start + (k + j/phases) period, k = 0, 1, .... U and T (and the components of T), which are
  * per unit mass, are weighted by rho if the medium has it: sum rho U / sum rho, sum rho T / sum rho (0 where there
- * never was mass); all other fields have the plain mean. What is summed is linear in time between the ends of a step,
- * with an error of dt^2/8 times the second derivative: steps do not end at the moments, and the run keeps its bits. The
- * steps of granularMD do, which changes nothing of the grains, and lets means over the past end there. */
+ * never was mass), those of one kind of grains by its alpha; all other fields have the plain mean. What is summed is
+ * linear in time between the ends of a step, with an error of dt^2/8 times the second derivative: steps do not end at
+ * the moments, and the run keeps its bits. The steps of granularMD do, which changes nothing of the grains, and lets
+ * means over the past end there. */
 #include "solvers/functions/functions_private.h"
 
 #include "solvers/output/output.h"
@@ -18,18 +19,18 @@
 enum { MOST_PHASES = 1000 };
 
 struct phases {
-    double period, start;     /* s */
-    int n;                    /* number of phases, each of which is a bin */
-    int rho;                  /* the quantity that weighs; -1: none does */
-    long ncells, size;        /* size: doubles of a bin, [ncells][components] of each field, then [ncells] of rho */
-    bool resumed;             /* did the run before count the start? */
+    double period, start;         /* s */
+    int n;                        /* number of phases, each of which is a bin */
+    struct means_weights weights; /* the first is rho, if the medium has it */
+    long ncells, size; /* size: doubles of a bin, [ncells][components] of each field, then [ncells] of each weight */
+    bool resumed;      /* did the run before count the start? */
     long count[MOST_PHASES];  /* samples in a bin */
     double *sum[MOST_PHASES]; /* on the root: the sums of a bin; NULL: it has no samples yet */
     double *values;           /* on the root: [3 ncells] a field */
     int nlines;
     double *before, *now, *between; /* [nlines][cells of this rank] what is summed, at both ends of a step, inside */
     struct means_cells cells;       /* of this rank */
-    double *rho_now;                /* [cells of the largest block] */
+    double *weight_now;             /* [weights.n][cells of the largest block] */
     char file[128];                 /* file of the sums in a time folder */
 };
 
@@ -46,10 +47,10 @@ static void phases_free(void *own) {
     for (int j = 0; j < p->n; j++) free(p->sum[j]);
 }
 
-/* Is field k weighted by rho? */
-static bool weighted(const struct function *f, int k) {
-    const struct phases *p = f->own;
-    return p->rho >= 0 && means_per_mass(f, f->field[k]);
+/* Returns the place of the weight of field k among the weights, which has been added; -1: it has none. */
+static int weight_of(const struct function *f, int k) {
+    struct means_weights known = ((const struct phases *)f->own)->weights;
+    return means_weight(f, f->field[k], &known);
 }
 
 static double moment_of(const struct phases *p, double index) {
@@ -86,14 +87,19 @@ static void evaluate(const struct function *f, double *restrict out) {
     for (int b = 0; b < s->grid->nblocks; b++) {
         const size_t n = (size_t)s->grid->block[b].ncells;
         double *lines[3], *at = out + p->cells.first[b];
-        if (p->rho >= 0) function_block(f, b, p->rho, lines);
-        if (p->rho >= 0) memcpy(p->rho_now, lines[0], n * sizeof(double));
+        for (int w = 0; w < p->weights.n; w++) {
+            function_block(f, b, p->weights.quantity[w], lines);
+            memcpy(p->weight_now + w * p->cells.largest, lines[0], n * sizeof(double));
+        }
         for (int k = 0; k < f->nfields; k++) {
+            const int w = weight_of(f, k);
+            const double *weight = w < 0 ? NULL : p->weight_now + w * p->cells.largest;
             function_block(f, b, f->field[k], lines);
             for (int l = 0; l < setup_lines(s, f->field[k]); l++, at += p->cells.n)
-                for (size_t i = 0; i < n; i++) at[i] = (weighted(f, k) ? p->rho_now[i] : 1) * lines[l][i];
+                for (size_t i = 0; i < n; i++) at[i] = (weight ? weight[i] : 1) * lines[l][i];
         }
-        if (p->rho >= 0) memcpy(at, p->rho_now, n * sizeof(double));
+        for (int w = 0; w < p->weights.n; w++, at += p->cells.n)
+            memcpy(at, p->weight_now + w * p->cells.largest, n * sizeof(double));
     }
 }
 
@@ -119,7 +125,10 @@ static status take(const struct function *f, int bin, const double *line) {
             TRY(add_line(f, line, m == 3 ? s->axis[l] : 0, m, sum));
         if (root) sum += p->ncells * m;
     }
-    if (p->rho >= 0) TRY(add_line(f, line, 0, 1, sum));
+    for (int w = 0; w < p->weights.n; w++, line += p->cells.n) {
+        TRY(add_line(f, line, 0, 1, sum));
+        if (root) sum += p->ncells;
+    }
     p->count[bin]++;
     return OK;
 }
@@ -165,11 +174,11 @@ static status phases_collect(struct function *f, const struct moment *before, co
 /* Computes the mean of field k in a bin. */
 static void mean_of(const struct function *f, int bin, int k, double *out) {
     const struct phases *p = f->own;
-    const double *sum = p->sum[bin], *mass = p->sum[bin] + p->size - p->ncells;
-    const int m = quantity_of(f, f->field[k])->components;
+    const double *sum = p->sum[bin], *weights = p->sum[bin] + p->size - p->weights.n * p->ncells;
+    const int w = weight_of(f, k), m = quantity_of(f, f->field[k])->components;
     for (int j = 0; j < k; j++) sum += p->ncells * quantity_of(f, f->field[j])->components;
     for (long i = 0; i < p->ncells * m; i++) {
-        const double by = weighted(f, k) ? mass[i / m] : (double)p->count[bin];
+        const double by = w >= 0 ? weights[w * p->ncells + i / m] : (double)p->count[bin];
         out[i] = by > 0 ? sum[i] / by : 0;
     }
 }
@@ -226,6 +235,7 @@ static void print_identity(struct sink *o, const struct function *f) {
     const struct phases *p = f->own;
     sink_printf(o, "period          %.17g;\nstart           %.17g;\nfields          (", p->period, p->start);
     for (int k = 0; k < f->nfields; k++) sink_printf(o, " %s", quantity_of(f, f->field[k])->name);
+    for (int w = 1; w < p->weights.n; w++) sink_printf(o, " %s", quantity_of(f, p->weights.quantity[w])->name);
     sink_printf(o, " );\ncounts          (");
     for (int j = 0; j < p->n; j++) sink_printf(o, " %ld", p->count[j]);
     sink_printf(o, " );\n");
@@ -256,8 +266,12 @@ static status same_fields(const struct function *f, struct dict *d, bool *same) 
     const char *const *words;
     int n;
     TRY(dict_words(d, "fields", &n, &words));
-    *same &= n == f->nfields;
-    for (int k = 0; *same && k < n; k++) *same = !strcmp(words[k], quantity_of(f, f->field[k])->name);
+    const struct means_weights *w = &((const struct phases *)f->own)->weights;
+    *same &= n == f->nfields + (w->n > 1 ? w->n - 1 : 0);
+    for (int k = 0; *same && k < n; k++) {
+        const int field = k < f->nfields ? f->field[k] : w->quantity[k - f->nfields + 1];
+        *same = !strcmp(words[k], quantity_of(f, field)->name);
+    }
     return OK;
 }
 
@@ -321,10 +335,10 @@ static status shaken_period(const struct function *f, struct dict *d, double *ou
 static status make_lines(const struct function *f) {
     struct phases *p = f->own;
     TRY(means_cells_make(f, &p->cells));
-    p->nlines = p->rho >= 0;
+    p->nlines = p->weights.n;
     for (int k = 0; k < f->nfields; k++) p->nlines += setup_lines(f->setup, f->field[k]);
     const long size = p->nlines * p->cells.n + 1;
-    TRY(pool_take(f->pool, &p->rho_now, p->cells.largest, sizeof(double), "averages"));
+    TRY(pool_take(f->pool, &p->weight_now, (p->weights.n + 1) * p->cells.largest, sizeof(double), "averages"));
     TRY(pool_take(f->pool, &p->before, size, sizeof(double), "averages"));
     TRY(pool_take(f->pool, &p->now, size, sizeof(double), "averages"));
     return pool_take(f->pool, &p->between, size, sizeof(double), "averages");
@@ -334,10 +348,12 @@ static status phases_make(struct function *f, struct dict *d) {
     struct phases *p = f->own;
     if (p->period == 0) TRY(shaken_period(f, d, &p->period));
     TRY(means_file(f, d, p->file));
-    p->rho = means_density(f);
+    const int rho = means_density(f);
+    p->weights = (struct means_weights){.n = rho >= 0, .quantity = {rho}};
+    for (int k = 0; k < f->nfields; k++) (void)means_weight(f, f->field[k], &p->weights);
     p->ncells = f->setup->mesh->ncells;
     for (int k = 0; k < f->nfields; k++) p->size += p->ncells * quantity_of(f, f->field[k])->components;
-    if (p->rho >= 0) p->size += p->ncells;
+    p->size += p->weights.n * p->ncells;
     TRY(make_lines(f));
     TRY(comm_agree(f->setup->comm, comm_root(f->setup->comm) ? load(f) : OK));
     double resumed = p->resumed;

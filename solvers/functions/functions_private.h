@@ -80,10 +80,14 @@ int function_values(const struct function *f, int block, int field, double *line
 status function_name(struct dict *d, const char *name);
 /* Opens postProcessing/<function>/<folder>/<file>, and makes its folders. On the root. */
 status function_open(const struct function *f, const char *folder, const char *file, FILE **out);
-/* Shared by averages (functions_means.c): the quantity that weighs U and T, which are per unit mass (-1: the medium has
- * no density); is a quantity weighted by it? */
-int means_density(const struct function *f);
-bool means_per_mass(const struct function *f, int field);
+/* Shared by averages (functions_means.c): the quantities that weigh others. U and T, which are per unit mass, are
+ * weighted by rho, those of one kind of grains (U.big) by the alpha of that kind. */
+struct means_weights {
+    int n, quantity[MAX_QUANTITIES];
+};
+int means_density(const struct function *f); /* the quantity rho; -1: the medium has none */
+/* Returns the place in w of the quantity that weighs `field`, which is added if need be; -1: none does. */
+int means_weight(const struct function *f, int field, struct means_weights *w);
 struct means_cells { /* the cells of this rank, of which averages keep lines, block after block */
     long n, largest; /* largest: cells of the largest block, at least 1 */
     long *first;     /* [blocks] the block's first cell among them */

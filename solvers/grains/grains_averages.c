@@ -43,6 +43,7 @@ struct averages {
     struct averages_mark mark;
     struct coarse *sum[2];   /* sums of the running window; of the last complete one, or of a moment */
     double (*x)[3], (*u)[3]; /* [grains] */
+    uint8_t *kind;           /* [grains] */
     double moment;           /* s: time of sum[1]; NAN: it is of a window */
     double grid[16];         /* as in struct averages_saved */
 };
@@ -111,8 +112,11 @@ status averages_make(const struct coarse_grid *grid, double window, int samples,
 status averages_room(struct averages *a, int grains) {
     free(a->x);
     free(a->u);
+    free(a->kind);
     a->x = a->u = NULL;
+    a->kind = NULL;
     TRY(allocate(&a->x, grains, sizeof *a->x, "averages"));
+    TRY(allocate(&a->kind, grains, sizeof *a->kind, "averages"));
     return allocate(&a->u, grains, sizeof *a->u, "averages");
 }
 
@@ -142,6 +146,7 @@ void averages_free(struct averages *a) {
     coarse_free(a->sum[1]);
     free(a->x);
     free(a->u);
+    free(a->kind);
     free(a);
 }
 
@@ -157,7 +162,8 @@ double averages_next(const struct averages *a) {
 
 static void sample(struct averages *a, int which, const struct grains *g) {
     grains_at(g, grains_time(g), a->x, a->u);
-    coarse_sample(a->sum[which], grains_number(g), (const double(*)[3])a->x, (const double(*)[3])a->u);
+    grains_kinds_by_number(g, a->kind);
+    coarse_sample(a->sum[which], grains_number(g), (const double(*)[3])a->x, (const double(*)[3])a->u, a->kind);
 }
 
 static void close_window(struct averages *a) {

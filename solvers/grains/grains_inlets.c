@@ -14,11 +14,14 @@ static const double INSIDE = 1e-6; /* radii of a grain: so far from the patch it
 static const double FASTEST =
     9; /* deviations: impacts of greater relative speed are as frequent as those of this one */
 
-struct inlet_facet {
+struct inlet_facet { /* of one kind of grains */
     const struct facet *facet;
+    int kind;
     double area;        /* m^2; disks: m */
     double u[3], sigma; /* m/s */
     double n, normal;   /* 1/m^3 (disks: 1/m^2); m/s: density of the grains, u along the normal */
+    double fastest;     /* m/s: the largest sigma of all kinds */
+    double most;        /* 1/m: the largest push_weight of all kinds */
 };
 struct grains_inlets {
     struct grains_inflow state;
@@ -27,10 +30,11 @@ struct grains_inlets {
     const struct grain_box *box;
     struct field *density, *U, *T;
     double size;    /* m^3 (disks: m^2) of a grain */
-    double per;     /* number of grains per m^3 (disks: m^2) over the value of `density` */
+    bool by_alpha;  /* is `density` alpha, or rho? */
+    int kinds;      /* 1: all are alike */
     double longest; /* s: values that change in time are renewed as often, at least; HUGE_VAL: they do not change */
     int n;
-    struct inlet_facet *list; /* [n] */
+    struct inlet_facet *list; /* [n] all kinds of a facet, then those of the next one */
     double *sum;              /* [2 n] 1/s: rates of grains that come in and, behind them, of pushes, added up */
 };
 
@@ -58,7 +62,6 @@ status grains_inlets_find(const struct setup *s, const struct grains_start *star
         m->feeds[p] = s->mesh->patch[p].nfaces > 0 && gives(start->field[FIELD_U], p);
         if (!m->feeds[p]) continue;
         TRY(check_inlet(s, start, p));
-        if (m->kinds.n) return dict_fail(m->properties, "species", "grains that come in are of one kind");
         m->open[p] = true;
         *any = true;
     }
@@ -73,11 +76,37 @@ static const double *value_at(const struct field *f, const struct facet *facet, 
     return q->values ? q->values + face * f->kind->components : q->uniform;
 }
 
+/* Diameter, volume and mass of a kind over those of the law; shares of the kinds at a facet, in numbers. */
+static double size_of(const struct grains_inlets *in, int kind) {
+    return in->models->kinds.n ? in->models->kinds.size[kind] : 1;
+}
+static double volume_of(const struct grains_inlets *in, int kind) {
+    const double size = size_of(in, kind);
+    return size * size * (in->box->dim == 2 ? 1 : size);
+}
+static double mass_of(const struct grains_inlets *in, int kind) {
+    return in->models->kinds.n ? in->models->kinds.mass[kind] : 1;
+}
+static const double *share_at(const struct grains_inlets *in, const struct inlet_facet *f) {
+    return in->models->inlet_share[f->facet->wall];
+}
+
+/* The gas of all kinds has the velocity U; each kind has the same energy of motion about it, T that of the mean mass.
+ */
 static void set_facet(const struct grains_inlets *in, struct inlet_facet *f) {
     const struct polymesh *m = in->setup->mesh;
-    const double *U = value_at(in->U, f->facet, m);
-    f->sigma = sqrt(*value_at(in->T, f->facet, m));
-    f->n = in->per * *value_at(in->density, f->facet, m);
+    const double *U = value_at(in->U, f->facet, m), *share = share_at(in, f);
+    double size = 0, mass = 0, least = HUGE_VAL; /* means over the grains, and the least mass */
+    for (int k = 0; k < in->kinds; k++) {
+        size += share[k] * volume_of(in, k);
+        mass += share[k] * mass_of(in, k);
+        least = fmin(least, mass_of(in, k));
+    }
+    const double T = *value_at(in->T, f->facet, m);
+    f->sigma = sqrt(T * (mass / mass_of(in, f->kind)));
+    f->fastest = sqrt(T * (mass / least));
+    const double per = share[f->kind] / (in->by_alpha ? in->size * size : in->models->grain.mass * mass);
+    f->n = per * *value_at(in->density, f->facet, m);
     f->normal = 0;
     for (int k = 0; k < in->box->dim; k++) {
         f->u[k] = U[in->setup->axis[k]];
@@ -85,15 +114,36 @@ static void set_facet(const struct grains_inlets *in, struct inlet_facet *f) {
     }
 }
 
-/* Returns the rate of candidates for impacts on one grain at a facet by grains beyond it, as if all of them were as
- * fast as FASTEST sigma and came from all sides of a half space; chi is that of Henderson (1975) for disks, of Carnahan
- * and Starling (1969) for spheres. */
-static double push_rate(const struct grains_inlets *in, const struct inlet_facet *f) {
-    const double d = in->models->grain.diameter;
-    const bool disks = in->box->dim == 2;
-    const double alpha = f->n * in->size, gap = 1 - alpha;
-    const double chi = disks ? (1 - 7. / 16 * alpha) / (gap * gap) : (1 - 0.5 * alpha) / (gap * gap * gap);
-    return f->n * chi * (disks ? PI * d : 2 * PI * d * d) * FASTEST * f->sigma;
+/* Returns the pair correlation of grains of the facet's kind and another at contact: of Jenkins & Mancini (1987) for
+ * disks, of Boublik (1970) for spheres; with one kind these are Henderson's (1975) and
+ * Carnahan & Starling's (1969). */
+static double chi_of(const struct grains_inlets *in, const struct inlet_facet *f, int other) {
+    const struct inlet_facet *all = f - f->kind;
+    const double *share = share_at(in, f), a = size_of(in, f->kind), b = size_of(in, other);
+    double alpha = 0, squares = 0, cubes = 0; /* the last two of one dimension less for disks */
+    for (int k = 0; k < in->kinds; k++) {
+        alpha += all[k].n * (in->size * volume_of(in, k));
+        squares += share[k] * volume_of(in, k) / size_of(in, k);
+        cubes += share[k] * volume_of(in, k);
+    }
+    const double gap = 1 - alpha, q = squares / cubes * (2 * a * b / (a + b)); /* 1 of one kind */
+    if (in->box->dim == 2) return (1 - (1 - 9. / 16 * q) * alpha) / (gap * gap);
+    return (1 - (2 - 1.5 * q) * alpha + (1 - q) * (1 - 0.5 * q) * (alpha * alpha)) / (gap * gap * gap);
+}
+
+/* Returns the rate of impacts on one grain of kind `other` by grains of the facet's kind beyond it, over their speed
+ * and over the volume of that grain in unit of the law's, if they came from all sides of a half space. */
+static double push_weight(const struct grains_inlets *in, const struct inlet_facet *f, int other) {
+    const double d = 0.5 * (size_of(in, f->kind) + size_of(in, other)) * in->models->grain.diameter;
+    return f->n * chi_of(in, f, other) * (in->box->dim == 2 ? PI * d : 2 * PI * d * d) / volume_of(in, other);
+}
+
+/* Returns the rate of candidates for impacts on grains at a facet by grains beyond it, per volume of a grain, as if all
+ * of them were as fast as FASTEST deviations and hit the kind that is hit most often. */
+static double push_rate(const struct grains_inlets *in, struct inlet_facet *f) {
+    f->most = 0;
+    for (int k = 0; k < in->kinds; k++) f->most = fmax(f->most, push_weight(in, f, k));
+    return f->most * FASTEST * f->fastest;
 }
 
 /* Places are drawn in a layer of two diameters at the facet, half a diameter of it beyond: it holds all of each grain
@@ -126,7 +176,7 @@ static status renew(struct grains_inlets *in, double t) {
         in->sum[j] = sum += f->n * f->area * random_inflow_rate(f->normal, f->sigma);
     }
     for (int j = 0; j < in->n; j++) {
-        const struct inlet_facet *f = &in->list[j];
+        struct inlet_facet *f = &in->list[j];
         in->sum[in->n + j] = sum += push_rate(in, f) * f->area * layer_of(in) / in->size;
     }
     in->state.renewed = t;
@@ -166,8 +216,9 @@ static status fill(struct grains_inlets *in, const struct grains_inflow *saved, 
         for (int i = 0; i < all->own; i++) {
             const struct facet *f = &all->facet[i];
             if (!in->models->feeds[f->wall]) continue;
-            if (pass) in->list[in->n] = (struct inlet_facet){.facet = f, .area = area_of(f, in->box->dim)};
-            in->n++;
+            for (int k = 0; pass && k < in->kinds; k++)
+                in->list[in->n + k] = (struct inlet_facet){.facet = f, .kind = k, .area = area_of(f, in->box->dim)};
+            in->n += in->kinds;
         }
     }
     for (int p = 0; p < in->setup->mesh->npatches; p++)
@@ -196,7 +247,8 @@ status grains_inlets_make(const struct setup *s, const struct grains_models *m, 
                                    .U = start->field[FIELD_U],
                                    .T = start->field[FIELD_T],
                                    .size = size,
-                                   .per = 1 / (alpha ? size : m->grain.mass),
+                                   .by_alpha = alpha,
+                                   .kinds = m->kinds.n ? m->kinds.n : 1,
                                    .longest = HUGE_VAL};
     return fill(*out, saved, t);
 }
@@ -258,15 +310,16 @@ static bool draw_velocity(struct grains_inlets *in, const struct inlet_facet *f,
     return accepted;
 }
 
-/* Draws grains until one finds room. */
+/* Draws grains of the kind until one finds room. */
 static void enter(struct grains_inlets *in, struct grains *g, const struct inlet_facet *f, double u[3]) {
     const double height = INSIDE * 0.5 * in->models->grain.diameter;
+    const int kind = f->kind;
     for (int i = 0; i < TRIES; i++) {
         double x[3];
         draw_place(in, f->facet, height, x);
-        if (grains_enter(g, x, u, f->facet->wall)) return;
+        if (grains_enter(g, x, u, kind, f->facet->wall)) return;
         do f = &in->list[draw(in, in->n)];
-        while (!draw_velocity(in, f, u));
+        while (f->kind != kind || !draw_velocity(in, f, u));
     }
     in->state.blocked++;
 }
@@ -285,7 +338,8 @@ static void draw_direction(struct grains_inlets *in, const double normal[3], dou
 /* Draws a grain near the facet and an impact on it by one beyond, along k from the centre of that one; it is refused
  * with the probability that makes all rates those of the gas. */
 static void push(struct grains_inlets *in, struct grains *g, const struct inlet_facet *f) {
-    const double d = in->models->grain.diameter, *normal = f->facet->normal;
+    const struct grains_models *m = in->models;
+    const double *normal = f->facet->normal;
     double x[3], at[3], u[3], k[3], speed, relative = 0, height = 0, along = 0;
     draw_place(in, f->facet, (random_uniform(&in->state.random) - 0.25) * layer_of(in), x);
     const int i = grains_covering(g, x, at, u);
@@ -296,11 +350,17 @@ static void push(struct grains_inlets *in, struct grains *g, const struct inlet_
         along += k[a] * normal[a];
         relative += (f->u[a] - u[a]) * k[a];
     }
-    if (height > d * along) return; /* that centre would not lie beyond */
-    if (random_uniform(&in->state.random) * FASTEST * f->sigma > random_inflow_rate(relative, f->sigma)) return;
+    const int kind = grains_kind_of(g, i);
+    const double reach = 0.5 * (size_of(in, f->kind) + size_of(in, kind)) * m->grain.diameter;
+    if (height > reach * along) return; /* that centre would not lie beyond */
+    const double part = push_weight(in, f, kind) / f->most;
+    if (random_uniform(&in->state.random) * FASTEST * f->fastest > part * random_inflow_rate(relative, f->sigma))
+        return;
     if (!random_inflow(&in->state.random, relative, f->sigma, &speed)) return;
-    const double e = speed < in->models->grain.threshold ? 1 : in->models->grain.restitution;
-    for (int a = 0; a < 3; a++) k[a] *= 0.5 * (1 + e) * speed;
+    const double own = mass_of(in, kind), other = mass_of(in, f->kind);
+    const double given = m->kinds.n ? m->kinds.restitution[kind][f->kind] : m->grain.restitution;
+    const double e = speed < m->grain.threshold ? 1 : given;
+    for (int a = 0; a < 3; a++) k[a] *= 0.5 * (1 + e) * speed * (2 * other / (own + other));
     grains_push(g, i, k, f->facet->wall);
 }
 

@@ -187,37 +187,22 @@ static status fit_saved(struct grains_run *x) {
     return OK;
 }
 
-/* Makes the grains anew, with the places and velocities that `old` has at its time; those that have left stay away. */
-static status make_anew(struct grains_run *x, const struct grains *old) {
-    const int all = grains_number(old);
-    const double t = grains_time(old);
-    double(*at)[3] = NULL, (*u)[3] = NULL;
-    const struct grain_kinds kinds = x->law.kinds;
-    int n = 0; /* grains that stay */
-    status e = allocate(&at, all, sizeof *at, "places of grains");
-    if (!e) e = allocate(&u, all, sizeof *u, "velocities of grains");
-    if (!e) grains_at(old, t, at, u);
-    for (int i = 0; i < all && !e; i++) {
-        for (int k = 0; k <= kinds.n; k++) /* numbers move up */
-            if (isnan(at[i][0]) && i < kinds.first[k]) x->law.kinds.first[k]--;
-        if (isnan(at[i][0])) continue;
-        memmove(at[n], at[i], sizeof *at);
-        memmove(u[n++], u[i], sizeof *u);
-    }
-    x->models->kinds = x->law.kinds;
-    if (!e) e = grains_make(&x->box, &x->law, n, (const double(*)[3])at, (const double(*)[3])u, t, &x->grains);
-    free(at);
-    free(u);
-    return e;
-}
-
 static status resume(struct grains_run *x) {
     const struct grains_state *s = &x->saved;
     struct grains *old = NULL;
     TRY(fit_saved(x));
     grains_models_count(x->models, s->n);
+    if (x->models->kinds.n == s->law.kinds.n) /* grains keep their kinds */
+        memcpy(x->models->kinds.first, s->law.kinds.first, sizeof s->law.kinds.first);
     x->law.kinds = x->models->kinds;
-    const struct grain_save save = {s->n, s->t, s->grain, s->event, s->id, &s->counts, (const double(*)[3])s->impulse};
+    const struct grain_save save = {s->n,
+                                    s->t,
+                                    s->grain,
+                                    s->event,
+                                    s->id,
+                                    &s->counts,
+                                    (const double(*)[3])s->impulse,
+                                    s->law.kinds.n ? s->kind : NULL};
     TRY(status_note(grains_resume(&s->box, &s->law, &save, &old), "%s/%s/uniform/grains", x->base.setup->dir,
                     x->base.setup->start.name));
     x->changed = !grains_state_same(s, &x->box, &x->law);
@@ -226,7 +211,8 @@ static status resume(struct grains_run *x) {
         x->grains = old;
         return OK;
     }
-    const status e = make_anew(x, old);
+    const status e = grain_start_anew(&x->box, &x->law, old, s->law.kinds.n, &x->grains);
+    x->models->kinds = x->law.kinds;
     grains_free(old);
     TRY(e);
     x->energy = energy_now(x);
@@ -337,7 +323,8 @@ static void medium_describe(const struct medium *m, FILE *f) {
     grains_models_print(f, x->models);
     grains_box_print(f, m->setup, x->models, &x->box);
     fprintf(f, "Grains\n    %d %s, packing fraction %.6g\n", n, x->box.dim == 2 ? "disks" : "spheres",
-            n * (x->box.dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) / grains_volume(&x->box));
+            n * grains_mean_size(&x->law.kinds, x->box.dim) * (x->box.dim == 2 ? PI / 4 * d * d : PI / 6 * d * d * d) /
+                grains_volume(&x->box));
     if (!p->n)
         fprintf(f, "    as time %s has them%s\n", m->setup->start.name,
                 x->changed ? "; box, gravity or grains have changed, so counts and averages begin anew"
@@ -575,10 +562,10 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     out->diameter = x->law.diameter;
     if (x->law.kinds.n) TRY(allocate(&out->size, out->n, sizeof *out->size, "diameters of grains"));
     if (x->law.kinds.n) TRY(allocate(&out->species, out->n, sizeof *out->species, "kinds of grains"));
-    for (int i = 0, k = 0; i < out->n && out->size; i++) {
-        while (k < x->law.kinds.n - 1 && i >= x->law.kinds.first[k + 1]) k++;
-        out->size[i] = x->law.kinds.size[k];
-        out->species[i] = k;
+    for (int i = 0; i < out->n && out->size; i++) {
+        const int number = grains_ids(x->grains)[i], k = grains_kind_of(x->grains, i);
+        out->size[number] = x->law.kinds.size[k];
+        out->species[number] = k;
     }
     grains_at(x->grains, grains_time(x->grains), out->x, out->u);
     TRY(keep_present(x, out));
@@ -607,6 +594,7 @@ static status medium_save(const struct medium *m, const char *folder, const char
                              .grain = (struct grain *)(uintptr_t)grains_all(g),
                              .event = (struct grain_event *)(uintptr_t)grains_events(g),
                              .id = (int32_t *)(uintptr_t)grains_ids(g),
+                             .kind = (uint8_t *)(uintptr_t)grains_kinds(g),
                              .impulse = (double(*)[3])(uintptr_t)grains_impulses(g)};
     struct file_sum sum;
     grains_state_walls(&x->box, s.walls);

@@ -61,6 +61,8 @@ static const struct param kind_param[] = {
     NUMBER("restitution", restitution, USUALLY(-1, "that of grain"), FROM_TO(0, 1), NO_UNIT, "of two of this kind"),
     NOTED("with", "dictionary", "the mean of both restitutions", "restitution of this kind and others, by their names",
           "with { added 0.8; }"),
+    NOTED("inlets", "dictionary", "fraction", "what counts as fraction at a patch where grains come in, by its name",
+          "inlets { lid 2; }"),
 };
 #undef PARAM_STRUCT
 #define PARAM_STRUCT struct wall
@@ -144,6 +146,7 @@ static status read_kind(struct dict *all, const char *name, const struct materia
     TRY(dict_sub(all, name, &d));
     TRY(params_read(d, kind_param, COUNT(kind_param), out));
     (void)dict_has(d, "with");
+    (void)dict_has(d, "inlets");
     out->name = name;
     if (out->diameter == 0) out->diameter = grain->diameter;
     const double ratio = out->diameter / grain->diameter;
@@ -170,8 +173,37 @@ static status read_pairs(struct dict *all, const struct kind *kind, struct grain
     return OK;
 }
 
+/* Reads the share of each kind in what comes in at each patch. */
+static status read_inlets(struct dict *all, const struct kind *kind, const struct polymesh *mesh,
+                          struct grains_models *m) {
+    static const signed char number[3] = {0, 0, 0};
+    for (int a = 0; a < m->kinds.n; a++) {
+        struct dict *d, *inlets;
+        TRY(dict_sub(all, kind[a].name, &d));
+        TRY(dict_sub_optional(d, "inlets", &inlets));
+        for (int p = 0; p < mesh->npatches; p++) {
+            double *share = &m->inlet_share[p][a];
+            *share = kind[a].number;
+            if (!inlets || !dict_has(inlets, mesh->patch[p].name)) continue;
+            TRY(dict_number(inlets, mesh->patch[p].name, number, share));
+            if (!(*share >= 0 && *share < HUGE_VAL))
+                return dict_fail(inlets, mesh->patch[p].name, "a fraction is not negative");
+            m->inlet_line[p] = dict_line(inlets, mesh->patch[p].name);
+        }
+    }
+    for (int p = 0; p < mesh->npatches; p++) {
+        double sum = 0;
+        for (int a = 0; a < m->kinds.n; a++) sum += m->inlet_share[p][a];
+        if (!(sum > 0))
+            return fail(ERR_INPUT, "%s:%d: species: no kind has a fraction above 0 at patch %s", dict_path(all),
+                        m->inlet_line[p], mesh->patch[p].name);
+        for (int a = 0; a < m->kinds.n; a++) m->inlet_share[p][a] /= sum;
+    }
+    return OK;
+}
+
 /* Reads the kinds of a mixture, the largest first, which stands for `grain` then. */
-static status read_species(struct dict *d, int dim, struct grains_models *m) {
+static status read_species(struct dict *d, int dim, const struct polymesh *mesh, struct grains_models *m) {
     struct kind kind[GRAIN_KINDS];
     struct dict *all = NULL;
     double sum = 0;
@@ -195,7 +227,8 @@ static status read_species(struct dict *d, int dim, struct grains_models *m) {
         for (int b = 0; b < n; b++) m->kinds.restitution[a][b] = 0.5 * (kind[a].restitution + kind[b].restitution);
     }
     grains_models_count(m, 1000000);
-    return read_pairs(all, kind, &m->kinds);
+    TRY(read_pairs(all, kind, &m->kinds));
+    return read_inlets(all, kind, mesh, m);
 }
 
 void grains_models_count(struct grains_models *m, int n) {
@@ -215,7 +248,7 @@ static status read_properties(struct dict *d, int dim, const struct polymesh *me
         TRY(grains_contact_read(d, m));
     else
         TRY(params_read(d, hard_param, COUNT(hard_param), m));
-    if (!m->soft) TRY(read_species(d, dim, m));
+    if (!m->soft) TRY(read_species(d, dim, mesh, m));
     TRY(read_walls(d, mesh, m));
     TRY(dict_sub_optional(d, "coarseGraining", &coarse));
     if (!coarse) TRY(dict_from_text("coarseGraining", "", &none));
@@ -237,6 +270,9 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
     TRY(allocate(&m->feeds, mesh->npatches, sizeof *m->feeds, "walls"));
     TRY(allocate(&m->restitution_line, mesh->npatches, sizeof(int), "walls"));
     TRY(allocate(&m->friction, mesh->npatches, sizeof(double), "walls"));
+    TRY(allocate(&m->inlet_share, mesh->npatches, sizeof *m->inlet_share, "walls"));
+    TRY(allocate(&m->inlet_line, mesh->npatches, sizeof(int), "walls"));
+    for (int p = 0; p < mesh->npatches; p++) m->inlet_share[p][0] = 1;
     snprintf(path, sizeof path, "%s/constant/granularProperties", dir);
     TRY(dict_read(path, &m->granular));
     TRY(read_granular(m->granular, m));
@@ -274,6 +310,8 @@ void grains_models_free(struct grains_models *m) {
     free(m->feeds);
     free(m->restitution_line);
     free(m->friction);
+    free(m->inlet_share);
+    free(m->inlet_line);
     free(m);
 }
 

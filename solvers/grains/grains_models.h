@@ -21,6 +21,8 @@ struct grains_models {
     struct grain_kinds kinds;  /* of a mixture; then `grain` is the largest of it. Numbers by grains_models_count */
     double share[GRAIN_KINDS]; /* of each kind in the number of grains */
     const char *kind_name[GRAIN_KINDS];
+    double (*inlet_share)[GRAIN_KINDS]; /* [npatches] the same of what comes in there */
+    int *inlet_line;                    /* [npatches] where that was given, in constant/particleProperties; 0: not */
     enum coarse_kernel kernel;
     double width, window;  /* m, s; window 0: fields are of a moment */
     int samples;           /* moments in a window */

@@ -274,3 +274,44 @@ status grain_start_make(const struct setup *s, struct grains_models *m, const st
     if (!moving) packing_velocities(box, &f, out->n, (uint64_t)m->seed, (const double(*)[3])out->x, out->u);
     return OK;
 }
+
+/* Sets the kind of each grain of `old` by number. */
+static void kinds_of(const struct grain_kinds *k, const struct grains *old, int kinds, uint8_t *kind) {
+    grains_kinds_by_number(old, kind);
+    if (k->n == kinds) return;
+    for (int i = 0; i < grains_number(old); i++)
+        for (kind[i] = 0; kind[i] + 1 < k->n && i >= k->first[kind[i] + 1];) kind[i]++;
+}
+
+static status make_anew(const struct grain_box *box, struct grain_law *law, const struct grains *old, int kinds,
+                        struct pool *pool, struct grains **out) {
+    const int all = grains_number(old);
+    const double t = grains_time(old);
+    double(*at)[3], (*u)[3], (*new_at)[3], (*new_u)[3];
+    uint8_t *kind;
+    int n = 0; /* grains that stay */
+    TRY(pool_take(pool, &at, all, sizeof *at, "places of grains"));
+    TRY(pool_take(pool, &u, all, sizeof *u, "velocities of grains"));
+    TRY(pool_take(pool, &new_at, all, sizeof *at, "places of grains"));
+    TRY(pool_take(pool, &new_u, all, sizeof *u, "velocities of grains"));
+    TRY(pool_take(pool, &kind, all, sizeof *kind, "kinds of grains"));
+    grains_at(old, t, at, u);
+    kinds_of(&law->kinds, old, kinds, kind);
+    for (int k = 0; k == 0 || k < law->kinds.n; k++) {
+        for (int i = 0; i < all; i++) {
+            if (kind[i] != k || isnan(at[i][0])) continue;
+            memcpy(new_at[n], at[i], sizeof *at);
+            memcpy(new_u[n++], u[i], sizeof *u);
+        }
+        if (law->kinds.n) law->kinds.first[k + 1] = n;
+    }
+    return grains_make(box, law, n, (const double(*)[3])new_at, (const double(*)[3])new_u, t, out);
+}
+
+status grain_start_anew(const struct grain_box *box, struct grain_law *law, const struct grains *old, int kinds,
+                        struct grains **out) {
+    struct pool pool = {.last = NULL};
+    const status e = make_anew(box, law, old, kinds, &pool, out);
+    pool_free(&pool);
+    return e;
+}

@@ -40,5 +40,10 @@ struct grain_start {
  * spin, also after an error. */
 status grain_start_make(const struct setup *s, struct grains_models *m, const struct grain_box *box,
                         const struct grains_start *fields, struct grain_start *out);
+/* Makes grains under another box or law, with the places and velocities that `old` has at its time; those that have
+ * left stay away. Numbers go by kind, law->kinds gets how many there are of each; `kinds` is the number of kinds of
+ * `old`: if the law has another, the numbers of the grains say their kinds. */
+status grain_start_anew(const struct grain_box *box, struct grain_law *law, const struct grains *old, int kinds,
+                        struct grains **out);
 
 #endif

@@ -122,7 +122,10 @@ status grains_state_write(const struct grains_state *s, const char *path, const 
     for (int k = 0; k < 2; k++) sink_write(o, s->averages.sums[k], (size_t)s->averages.nsums * sizeof(double));
     if (s->walls[0] > 0) sink_write(o, s->impulse, (size_t)s->walls[0] * sizeof *s->impulse);
     if (s->fed) sink_write(o, &s->inflow, sizeof s->inflow);
-    if (s->law.kinds.n) sink_write(o, &s->law.kinds, sizeof s->law.kinds);
+    if (s->law.kinds.n) {
+        sink_write(o, &s->law.kinds, sizeof s->law.kinds);
+        sink_write(o, s->kind, n * sizeof *s->kind);
+    }
     sink_printf(o, ")\n");
     return sink_close_sum(o, sum);
 }
@@ -140,11 +143,13 @@ static bool take_numbers(struct bytes *b, struct grains_state *s) {
     return true;
 }
 
-/* Takes what stands behind the lists of grains that come in, or of a mixture. */
+/* Takes what stands behind the lists: of grains that come in, and of a mixture. */
 static bool take_more(struct bytes *b, struct grains_state *s) {
-    s->fed = b->left == 2 + sizeof s->inflow;
-    if (s->fed) return bytes_take(b, &s->inflow, sizeof s->inflow);
-    return b->left == 2 || bytes_take(b, &s->law.kinds, sizeof s->law.kinds);
+    const size_t kinds = sizeof s->law.kinds + (size_t)s->n * sizeof *s->kind;
+    s->fed = b->left == 2 + sizeof s->inflow || b->left == 2 + sizeof s->inflow + kinds;
+    if (s->fed && !bytes_take(b, &s->inflow, sizeof s->inflow)) return false;
+    if (b->left == 2) return true;
+    return bytes_take(b, &s->law.kinds, sizeof s->law.kinds) && bytes_take(b, s->kind, kinds - sizeof s->law.kinds);
 }
 
 static bool take_lists(struct bytes *b, struct grains_state *s) {
@@ -160,6 +165,7 @@ static status allocate_lists(struct grains_state *s) {
     TRY(pool_take(&s->pool, &s->grain, s->n, sizeof *s->grain, "grains"));
     TRY(pool_take(&s->pool, &s->event, s->n, sizeof *s->event, "events"));
     TRY(pool_take(&s->pool, &s->id, s->n, sizeof *s->id, "grains"));
+    TRY(pool_take(&s->pool, &s->kind, s->n, sizeof *s->kind, "grains"));
     TRY(pool_take(&s->pool, &s->impulse, (long)s->walls[0], sizeof *s->impulse, "walls"));
     TRY(pool_take(&s->pool, &s->averages.sums[0], s->averages.nsums, sizeof(double), "averages"));
     return pool_take(&s->pool, &s->averages.sums[1], s->averages.nsums, sizeof(double), "averages");
@@ -175,6 +181,7 @@ static bool sound(const struct grains_state *s) {
     }
     free(seen);
     ok = ok && s->law.kinds.n >= 0 && s->law.kinds.n <= GRAIN_KINDS;
+    for (int i = 0; ok && s->law.kinds.n && i < s->n; i++) ok = s->kind[i] < s->law.kinds.n;
     if (s->fed) ok = ok && s->inflow.next >= s->t && s->inflow.renewed <= s->t;
     return ok && averages_sound(&s->averages);
 }

@@ -28,6 +28,7 @@ struct grains_state {
     struct grain *grain;       /* [n], by index */
     struct grain_event *event; /* [n] */
     int32_t *id;               /* [n] */
+    uint8_t *kind;             /* [n] of a mixture */
     double walls[3];           /* of grains_state_walls */
     double (*impulse)[3];      /* [walls[0]] of grains_impulses */
     bool fed;                  /* do grains come in? */

@@ -42,7 +42,7 @@ TABLES = {
     "solvers/functions/functions_average.c": {"key", "quantity_of(f, it->field)->name"},
     "solvers/gas/limiter.c": {"counts[i].key"},
     "solvers/gas/models.c": {"families[ENGINE].key"},
-    "solvers/grains/grains_models.c": {"patch->name", "name", "kind[a].name", "kind[b].name", "dict_key(all, k)"},
+    "solvers/grains/grains_models.c": {"patch->name", "mesh->patch[p].name", "name", "kind[a].name", "kind[b].name", "dict_key(all, k)"},
     "solvers/programs/meshrules.c": {"rule->patch"},
     "solvers/programs/run.c": {"p->name"},
     "solvers/output/totals.c": {"first[i].name"},

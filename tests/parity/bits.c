@@ -229,7 +229,7 @@ static status print_grains(const struct comm *c, int dim, enum coarse_kernel ker
     for (int i = 1; i <= 20; i++) {
         while (grains_time(g) < 0.25 * i) grains_advance(g, 0.25 * i, 1000, coarse_observer(sums));
         grains_at(g, 0.25 * i, x, u);
-        coarse_sample(sums, GRAINS, (const double(*)[3])x, (const double(*)[3])u);
+        coarse_sample(sums, GRAINS, (const double(*)[3])x, (const double(*)[3])u, NULL);
     }
     if (comm_root(c))
         printf("grains %d %d %ld impacts %016llx %016llx\n", dim, (int)kernel, (long)grains_counted(g)->pairs,

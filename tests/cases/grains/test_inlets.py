@@ -9,6 +9,7 @@ import numpy as np
 
 from tests.cases import harness
 from tests.cases.grains import test_particles as hard
+from tests.cases.grains.test_mixtures import species
 
 NAMES = {"alpha": "%g", "U": "(%g 0 0)", "T": "%g"}
 
@@ -79,6 +80,19 @@ class Inlets(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(came, wanted, delta=4 * np.sqrt(wanted))
         self.assertLess(abs(float(re.findall(r"balance ([-+\d.e]+)", said)[-1])), 1e-11)
 
+    def test_kinds(self):
+        """A mixture comes in with its own fractions, not those of the start: behind the inlet stand alpha, U and T of each kind, T in inverse proportion to mass."""
+        d, m, x = np.array([1, 0.5]), np.array([2, 0.4]), np.array([1, 3])
+        particles = "coarseGraining { samples 2000; }\n" + species(d, m, more=("", "inlets { xLow 3; }"))
+        said = hard.solve(case := self.case("kinds", 0.1, 4, e=1, end=1000, interval=1000, particles=particles))
+        self.assertLess(abs(float(re.findall(r"balance ([-+\d.e]+)", said)[-1])), 1e-11)
+        found = harness.haff.Case(case)
+        for k, name in enumerate(("one", "two")):
+            alpha = 0.1 * x[k] * d[k] ** 2 / np.sum(x * d**2)
+            self.assertAlmostEqual(found.field(f"alpha.{name}", "1000").mean() / alpha, 1, delta=0.03)
+            self.assertAlmostEqual(found.field(f"U.{name}", "1000")[:, 0].mean() / 4, 1, delta=0.01)
+            self.assertAlmostEqual(found.field(f"T.{name}", "1000").mean() * m[k] / np.average(m, weights=x), 1, delta=0.02)
+
     def test_table(self):
         """A stream that ends at t = 10, by a table, and one whose rate follows an expression."""
         hard.solve(case := self.case("table", 0.05, 4, end=20, interval=20, samples=1, size=(80.0, 400.0, 1.0)))
@@ -99,11 +113,22 @@ class Inlets(harness.Folder, unittest.TestCase):
             self.assertAlmostEqual(came, part * n, delta=4 * np.sqrt(part * n), msg=f"until {time}")
 
     def test_restart(self):
-        """A run in two parts has the bits of one, also where numbers for more grains are made in the second."""
-        options = {"inside": 0.01, "end": 32, "interval": 8, "samples": 10, "closed": True, "e": 0.9, "threshold": 0.01, "g": (0.5, -0.2, 0)}
-        one = self.case("one", 0.1, 2, **options)
+        """A run in two parts has the bits of one, also where numbers for more grains are made in the second; of one kind, and of two."""
+        self.check_restart("one", 0.1)
+        case = self.check_restart("mixture", 0.07, species((1, 0.6), (2, 0.5)))
+        harness.edit(case, "system/controlDict", endTime=32.001, writeInterval=0.001)
+        harness.edit(case, "constant/granularProperties", thresholdSpeed=0.02)
+        before = hard.grains.read(harness.haff.Case(case), "32")
+        self.assertIn("have changed, so counts and averages begin anew", hard.solve(case))  # numbers go by kind again
+        after = hard.grains.read(harness.haff.Case(case), "32.001")
+        for k in (0, 1):
+            self.assertEqual(np.sum(before["species"] == k), np.sum(after["species"] == k))
+
+    def check_restart(self, name, alpha, particles=""):
+        options = {"inside": 0.01, "end": 32, "interval": 8, "closed": True, "e": 0.9, "threshold": 0.01, "g": (0.5, -0.2, 0)}
+        one = self.case(name, alpha, 2, particles="coarseGraining { samples 10; }\n" + particles, **options)
         give(one, "xLow", U='type exprFixedValue; valueExpr "vector(2 + 0.5*sin(time()), 0, 0)"; value uniform (2 0 0)')
-        two = shutil.copytree(one, os.path.join(self.folder, "two"))
+        two = shutil.copytree(one, os.path.join(self.folder, name + " in parts"))
         start = int(re.search(r"(\d+) disks, packing", hard.solve(one))[1])
         harness.edit(two, "system/controlDict", endTime=8)
         hard.solve(two)
@@ -118,6 +143,7 @@ class Inlets(harness.Folder, unittest.TestCase):
             for name in a:
                 if name != "uniform/provenance":
                     self.assertEqual(a[name], b[name], f"{time}/{name}")
+        return two
 
     def test_refused(self):
         """An inlet lacks alpha or T; a flow rate says no velocity of grains."""
@@ -127,6 +153,12 @@ class Inlets(harness.Folder, unittest.TestCase):
                 ({"U": "type flowRateInletVelocity; volumetricFlowRate 1; value uniform (0 0 0)"}, r"patch xLow: type is flowRateInletVelocity; allowed are slip, .* fixedValue"))):
             case = self.case(f"refused {n}", 0.05, 4, end=1, interval=1, samples=1)
             give(case, "xLow", **changed)
+            done = harness.program("granularMD", "-case", case, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, text)
+        for inlets, text in (("{ xLow 0; }", r"particleProperties:\d+: species: no kind has a fraction above 0 at patch xLow"),
+                             ("{ xLow -1; }", r"a fraction is not negative"), ("{ left 1; }", r"left")):
+            case = self.case(inlets, 0.05, 4, end=1, interval=1, particles=species((1, 0.5), (1, 1), more=["inlets " + inlets] * 2))
             done = harness.program("granularMD", "-case", case, check=False)
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, text)

@@ -94,6 +94,42 @@ class Mixtures(harness.Folder, unittest.TestCase):
         for name in ("species", "d"):
             np.testing.assert_array_equal(hard.values(data, name), c[name])
 
+    def test_means(self):
+        """fieldAverage and phaseAverage weigh U and T of a kind by its alpha: each grain counts alike, and a time at which a cell has none of that kind does not count."""
+        functions = ("functions { means { type fieldAverage; fields ( U.one { mean on; prime2Mean on; } T.one { mean on; } alpha.one { mean on; } U { mean on; } T.two { mean on; } ); }"
+                     " phases { type phaseAverage; period 0.5; start 0.5; phases 1; fields (T.two U.one U alpha.two U.two); } }\n")
+        particles = "coarseGraining { window 0.5; samples 1; }\n" + species((1, 0.6), (3, 0.5))
+        case = self.case("means", particles, cells=(6, 6, 1), e=0.9, end=3, interval=0.5, size=18.0, control=functions)
+        whole = shutil.copytree(case, os.path.join(self.folder, "means in parts"))
+        hard.solve(case)
+        found = harness.haff.Case(case)
+        times = [f"{0.5 * k:g}" for k in range(1, 7)]
+        field = {(name, t): found.field(name, t) for name in ("U.one", "U.two", "T.one", "T.two", "alpha.one", "alpha.two", "rho", "U") for t in times}
+        self.assertEqual(min(field["alpha.one", t].min() for t in times), 0)
+
+        def mean(name, weight):
+            w = np.array([field[weight, t] for t in times])
+            f = np.array([field[name, t] for t in times])
+            w = w[..., None] if f.ndim == 3 else w
+            return (w * f).sum(axis=0) / np.maximum(w.sum(axis=0), 1e-300)
+
+        for name, weight in (("U.one", "alpha.one"), ("T.one", "alpha.one"), ("T.two", "alpha.two"), ("U", "rho")):
+            np.testing.assert_allclose(found.field(name + "Mean", "3"), mean(name, weight), atol=1e-12, err_msg=name)
+        for name, weight in (("T.two", "alpha.two"), ("U.one", "alpha.one"), ("U.two", "alpha.two"), ("U", "rho")):
+            np.testing.assert_allclose(found.field(name, os.path.join("postProcessing", "phases", "0", "0")), mean(name, weight), atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(found.field("alpha.oneMean", "3"), np.mean([field["alpha.one", t] for t in times], axis=0), atol=1e-12)
+        spread = np.array([field["U.one", t][:, 0] - mean("U.one", "alpha.one")[:, 0] for t in times])
+        weight = np.array([field["alpha.one", t] for t in times])
+        np.testing.assert_allclose(found.field("U.onePrime2Mean", "3")[:, 0] * weight.sum(axis=0), (weight * spread**2).sum(axis=0), atol=1e-12)
+        harness.edit(whole, "system/controlDict", endTime=1.5)
+        hard.solve(whole)
+        harness.edit(whole, "system/controlDict", endTime=3)
+        hard.solve(whole)
+        a, b = hard.results(case, "3"), hard.results(whole, "3")
+        for name in a:
+            if "Mean" in name or "Average" in name:
+                self.assertEqual(a[name], b[name], name)
+
     def test_walls(self):
         """Grains come to flat walls and to facets as near as their own radius, and not nearer."""
         box = self.case("box", species((1, 0.5), (2, 1)), types=D, e=1, end=20, interval=20, size=20.0, alpha=0.2)

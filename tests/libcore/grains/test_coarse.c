@@ -50,7 +50,7 @@ static void cloud_make(struct cloud *c, const struct coarse_grid *g, unsigned lo
 
 /* C11 does not let arrays become arrays of const by themselves. */
 static void sample(struct coarse *c, struct cloud *cloud, int from, int n) {
-    coarse_sample(c, n, (const double(*)[3])(cloud->x + from), (const double(*)[3])(cloud->u + from));
+    coarse_sample(c, n, (const double(*)[3])(cloud->x + from), (const double(*)[3])(cloud->u + from), NULL);
 }
 
 struct fields {
@@ -242,7 +242,7 @@ static void shear(void **state) {
             for (int j = 0; j < 7 * SIDE; j++) {
                 const double x[1][3] = {{g.low[0] + (i + 0.5) * 0.3 / SIDE, g.low[1] + (j + 0.5) * 0.2 / SIDE, 0}};
                 const double u[1][3] = {{1e5 + 3 * x[0][1], -7, 0}};
-                coarse_sample(c, 1, x, u);
+                coarse_sample(c, 1, x, u, NULL);
             }
         struct fields *f = fields_of(c, 0);
         for (int i = 0; i < 70; i++) {

@@ -359,12 +359,12 @@ static void inlet(void **state) {
     memcpy(s->x[1], (double[3]){4, 4, 1}, sizeof s->x[1]);
     for (int i = 0; i < 2; i++) memset(s->u[i], 0, sizeof s->u[i]);
     g = make(s);
-    assert_true(grains_is_full(g) && !grains_enter(g, top, down, 5));
+    assert_true(grains_is_full(g) && !grains_enter(g, top, down, 0, 5));
     ok(grains_grow(&g, 4));
     assert_true(!grains_is_full(g) && grains_number(g) == 4 && grains_present(g) == 2);
-    assert_true(!grains_enter(g, blocked, down, 5) && !grains_enter(g, wall, down, 5));
+    assert_true(!grains_enter(g, blocked, down, 0, 5) && !grains_enter(g, wall, down, 0, 5));
     const double start = total(g, before);
-    assert_true(grains_enter(g, top, down, 5) && grains_present(g) == 3 && !grains_enter(g, top, down, 5));
+    assert_true(grains_enter(g, top, down, 0, 5) && grains_present(g) == 3 && !grains_enter(g, top, down, 0, 5));
     grains_advance(g, 2.5, INT64_MAX, NULL);
     ok(grains_grow(&g, 4)); /* in flight */
     grains_advance(g, 4, INT64_MAX, NULL);

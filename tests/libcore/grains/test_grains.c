@@ -247,7 +247,7 @@ static void same_state(const struct grains *a, const struct grains *b) {
 static struct grains *resumed(const struct scene *s, struct grains *g) {
     struct grains *h;
     const struct grain_save save = {s->n,          grains_time(g),    grains_all(g), grains_events(g),
-                                    grains_ids(g), grains_counted(g), NULL};
+                                    grains_ids(g), grains_counted(g), NULL,          NULL};
     ok(grains_resume(&s->box, &s->law, &save, &h));
     grains_free(g);
     return h;
@@ -497,7 +497,7 @@ static void errors(void **state) {
     struct grain *saved = malloc(sizeof *saved * 20);
     memcpy(saved, grains_all(g), sizeof *saved * 20);
     saved[5].x[0] += 2;
-    const struct grain_save save = {20, 0, saved, grains_events(g), grains_ids(g), grains_counted(g), NULL};
+    const struct grain_save save = {20, 0, saved, grains_events(g), grains_ids(g), grains_counted(g), NULL, NULL};
     says(grains_resume(&s->box, &s->law, &save, &h), "saved grain 5");
     assert_null(h);
     grains_free(g);

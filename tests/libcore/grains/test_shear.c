@@ -175,7 +175,7 @@ static void resumed(void **state) {
         grains_advance(h, t - 0.13, INT64_MAX, NULL);
         grains_advance(h, t, INT64_MAX, NULL);
         const struct grain_save save = {
-            s->n, t, grains_all(h), grains_events(h), grains_ids(h), grains_counted(h), grains_impulses(h)};
+            s->n, t, grains_all(h), grains_events(h), grains_ids(h), grains_counted(h), grains_impulses(h), NULL};
         ok(grains_resume(&s->box, &s->law, &save, &next));
         grains_free(h);
         h = next;
