@@ -52,15 +52,17 @@ static void slab(const struct dem_law *law, const struct dem_wall *wall, double 
     memcpy(edge[rest], wall->edge[0], sizeof *edge);
     edge[thick][thick] = SLAB * law->diameter;
     if (wall->normal[thick] < 0) corner[thick] -= edge[thick][thick];
-    if (w->periodic[flat] || flat >= w->dim) { /* the slab goes beyond the end of space */
-        corner[flat] -= 2 * law->diameter;
-        edge[flat][flat] += 4 * law->diameter;
-    }
     if (edge[rest][rest] < 0) /* edges lead upwards */
         for (int k = 0; k < 3; k++) {
             corner[k] += edge[rest][k];
             edge[rest][k] *= -1;
         }
+    for (int j = 0; j < 2; j++) { /* the slab goes beyond the borders of periodic space */
+        const int k = j ? flat : rest, up = wall->edge[j][k] > 0;
+        const int low = dem_wall_goes_on(w, wall, j, !up), high = dem_wall_goes_on(w, wall, j, up);
+        corner[k] -= low * 2 * law->diameter;
+        edge[k][k] += (low + high) * 2 * law->diameter;
+    }
 }
 
 static void write_slab(FILE *f, const struct dem_law *law, int i) {

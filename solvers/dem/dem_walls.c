@@ -322,6 +322,17 @@ status dem_walls_make(const struct setup *s, const struct grains_models *m, cons
     return e;
 }
 
+bool dem_wall_goes_on(const struct dem_walls *w, const struct dem_wall *wall, int j, int end) {
+    const double *e = wall->edge[j];
+    int axis = 0; /* the axis that the edge leads along most */
+    for (int k = 1; k < 3; k++)
+        if (fabs(e[k]) > fabs(e[axis])) axis = k;
+    if (axis >= w->dim) return true;
+    if (!w->periodic[axis] || hypot(e[(axis + 1) % 3], e[(axis + 2) % 3]) > 1e-9 * fabs(e[axis])) return false;
+    const double border = (e[axis] > 0) == (end == 1) ? w->high[axis] : w->low[axis];
+    return fabs(wall->corner[axis] + end * e[axis] - border) < 1e-7 * (w->high[axis] - w->low[axis]);
+}
+
 void dem_wall_nearest(const struct dem_walls *w, int wall, const double x[3], double out[3]) {
     const struct dem_wall *a = &w->wall[wall];
     double from[3];
@@ -330,11 +341,10 @@ void dem_wall_nearest(const struct dem_walls *w, int wall, const double x[3], do
         out[k] = a->corner[k];
     }
     for (int j = 0; j < 2; j++) {
-        const double *e = a->edge[j], part = dot(from, e) / dot(e, e);
-        int axis = 0; /* the axis that the edge leads along most */
-        for (int k = 1; k < 3; k++)
-            if (fabs(e[k]) > fabs(e[axis])) axis = k;
-        const bool endless = w->periodic[axis] || axis >= w->dim;
-        for (int k = 0; k < 3; k++) out[k] += e[k] * (endless ? part : fmin(fmax(part, 0), 1));
+        const double *e = a->edge[j];
+        double part = dot(from, e) / dot(e, e);
+        if (part < 0 && !dem_wall_goes_on(w, a, j, 0)) part = 0;
+        if (part > 1 && !dem_wall_goes_on(w, a, j, 1)) part = 1;
+        for (int k = 0; k < 3; k++) out[k] += e[k] * part;
     }
 }

@@ -31,6 +31,8 @@ struct dem_walls {
  * different laws meet in one plane, whose joint a grain would feel twice. */
 status dem_walls_make(const struct setup *s, const struct grains_models *m, const struct field *U,
                       struct dem_walls *out);
+/* Does a wall go on beyond an end (0 or 1) of its edge j: is that end a border of periodic space, or no axis solved? */
+bool dem_wall_goes_on(const struct dem_walls *w, const struct dem_wall *wall, int j, int end);
 /* Returns the point of a wall that is nearest to x. */
 void dem_wall_nearest(const struct dem_walls *w, int wall, const double x[3], double out[3]);
 

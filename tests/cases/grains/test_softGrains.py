@@ -199,6 +199,22 @@ class Impacts(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(u[1], 0.9, delta=1e-3)
         self.assertLess(abs(u[0]) + abs(u[2]), 1e-9)
 
+    def test_border(self):
+        """A ridge across a cyclic axis: the ground beside it is two rectangles, which go on beyond the border of space and end at the ridge.
+        A sphere that crosses the border while it touches the ground feels a plane; one on the ridge feels its top alone."""
+        case = make(self.path("border"), f"type hertz; youngsModulus {E}; restitution 0.9; impactSpeed 1;", cells=(9, 8, 8), size=(9e-3, 8e-3, 8e-3),
+                    positions=[(1e-9, D / 2 + 1e-9, 4e-3), (4.5e-3, 3e-3 + D / 2 + 1e-9, 4e-3)], U=[(-0.5, -1, 0), (0, -1, 0)], end=6e-5, interval=6e-5)
+        x, y = np.arange(9)[None, None, :], np.arange(8)[None, :, None]
+        hole = np.broadcast_to((x >= 3) & (x < 6) & (y < 3), (8, 8, 9)).ravel()
+        boxes.write_mesh(case, (9, 8, 8), (9e-3, 8e-3, 8e-3), WALLS, hole=hole, hole_patch="ridge")
+        for name in ("alpha", "T", "U"):
+            harness.dictionary.edit(os.path.join(case, "0", name), {"+boundaryField/ridge": "{ type %s; }" % ("slip" if name == "U" else "zeroGradient")})
+        solve(case)
+        ground, ridge = end(case, "6e-05")["U"]
+        self.assertAlmostEqual(ground[1], 0.9, delta=1e-3)
+        self.assertAlmostEqual(ridge[1], 0.9, delta=1e-3)
+        self.assertLess(abs(ground[0] + 0.5) + abs(ground[2]) + abs(ridge[0]) + abs(ridge[2]), 1e-9)
+
 
 @unittest.skipUnless(LAMMPS, MISSING)
 class Beds(harness.Folder, unittest.TestCase):
