@@ -51,6 +51,7 @@ ROOMS = {
                             "solvers/dict", "solvers/case", "solvers/output"],
     "solvers/programs": ["libcore/models", "mesh/base", "mesh/format", "mesh/grid", "mesh/lattice", "solvers/dict",
                          "solvers/case", "solvers/output", "solvers/functions"],
+    "solvers/python": ["mesh/base", "solvers/output", "solvers/programs"],
 }
 
 # Libraries and the only files that may include them.
