@@ -94,6 +94,9 @@ install(FILES ${CMAKE_BINARY_DIR}/install/haff.pc DESTINATION lib/pkgconfig COMP
 add_custom_target(wheel COMMAND /usr/bin/python3 -B ${here}/makeWheel ${CMAKE_BINARY_DIR} ${CMAKE_BINARY_DIR}/dist
                   DEPENDS ${PROGRAMS} haffgas VERBATIM)
 
+# An image for podman.
+add_custom_target(container COMMAND ${here}/makeContainer VERBATIM)
+
 # A site of the documents, in build/site.
 add_custom_target(site COMMAND /usr/bin/python3 -B ${CMAKE_SOURCE_DIR}/docs/makeSite ${CMAKE_BINARY_DIR}/site VERBATIM)
 
