@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What  cmake --install build --prefix P  and  cpack  put where. Nothing there needs this tree, and P may be moved. Three
 # components, each a package of cpack:
-#   programs  (haff)           P/bin: programs and commands; P/lib/haff: what these find by their own place, mpirun and the
-#                              Python package; P/share: documents, manual pages, completion for bash
+#   programs  (haff)           P/bin: programs and commands; P/lib/haff: what these find by their own place, mpirun, the
+#                              Python package and haffgas.so, which it loads; P/share: documents, manual pages, completion for bash
 #   implicit  (haff-implicit)  P/lib/haff/haffimplicit.so. A package of its own, so that nobody has to install PETSc's
 #                              hundred libraries for runs that do without
 #   library   (libhaff-dev)    P/lib/libhaff*.a, P/include/haff, what find_package and pkg-config read
@@ -17,6 +17,9 @@ foreach(command ${COMMANDS})
   install(CODE "file(CREATE_LINK haff \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/bin/${command}\" SYMBOLIC)" COMPONENT programs)
 endforeach()
 install(PROGRAMS solvers/programs/mpirun DESTINATION lib/haff COMPONENT programs)
+if(TARGET haffgas)
+  install(TARGETS haffgas LIBRARY DESTINATION lib/haff COMPONENT programs)
+endif()
 install(DIRECTORY postprocessing/haff DESTINATION lib/haff/python COMPONENT programs
         FILES_MATCHING PATTERN "*.py" PATTERN "*.css" PATTERN "*.js" PATTERN "*.LICENSE.txt" PATTERN __pycache__ EXCLUDE)
 if(TARGET haffimplicit)
@@ -89,7 +92,10 @@ install(FILES ${CMAKE_BINARY_DIR}/install/haff.pc DESTINATION lib/pkgconfig COMP
 
 # A wheel for pip, in build/dist.
 add_custom_target(wheel COMMAND /usr/bin/python3 -B ${here}/makeWheel ${CMAKE_BINARY_DIR} ${CMAKE_BINARY_DIR}/dist
-                  DEPENDS ${PROGRAMS} VERBATIM)
+                  DEPENDS ${PROGRAMS} haffgas VERBATIM)
+
+# An image for podman.
+add_custom_target(container COMMAND ${here}/makeContainer VERBATIM)
 
 # A site of the documents, in build/site.
 add_custom_target(site COMMAND /usr/bin/python3 -B ${CMAKE_SOURCE_DIR}/docs/makeSite ${CMAKE_BINARY_DIR}/site VERBATIM)

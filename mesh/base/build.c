@@ -3,6 +3,7 @@
 #include "mesh/base/build.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -24,6 +25,8 @@
 #define COMPILER "gcc " __VERSION__
 #endif
 
+enum { PATH = 4096 };
+
 const char *build_version(void) {
     return HAFF_VERSION " (git " HAFF_GIT ")";
 }
@@ -37,13 +40,20 @@ bool build_petsc(void) {
     return HAFF_PETSC;
 }
 
-bool build_companion(const char *name, size_t size, char *path) {
-    static const char *const places[] = {"../lib/haff/", ""};
-    char folder[4096] = "";
-    const ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
-    if (length > 0) folder[length] = 0;
+/* Writes the folder of this program, with its '/'; "" where the system does not tell it. */
+static void own_folder(char folder[PATH]) {
+    const char *const given = getenv(BUILD_PROGRAMS);
+    const ssize_t length =
+        given ? snprintf(folder, PATH, "%.4000s/", given) : readlink("/proc/self/exe", folder, PATH - 1);
+    folder[length > 0 ? length : 0] = 0;
     char *slash = strrchr(folder, '/');
     if (slash) slash[1] = 0;
+}
+
+bool build_companion(const char *name, size_t size, char *path) {
+    static const char *const places[] = {"../lib/haff/", ""};
+    char folder[PATH];
+    own_folder(folder);
     for (int i = 0; i < 2; i++) {
         const int needs = snprintf(path, size, "%s%s%s", folder, places[i], name);
         if (needs > 0 && (size_t)needs < size && !access(path, R_OK)) return true;

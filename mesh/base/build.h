@@ -17,6 +17,8 @@ bool build_petsc(void); /* was PETSc there, so that haffimplicit.so was built? *
  * the running program, as it is installed, or beside the program, as it is built. Links to the program are followed, so
  * that an installation may be linked to or moved. Returns false where it is in neither place; path is the second then.
  */
+#define BUILD_PROGRAMS                                                                                                 \
+    "HAFF_PROGRAMS" /* variable of the environment: their folder, where the running program is another */
 bool build_companion(const char *name, size_t size, char *path);
 
 #endif

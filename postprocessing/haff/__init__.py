@@ -8,7 +8,7 @@
 
 haff.case    reads cases: meshes, fields, tables, grains (numpy)
 haff.plot    pictures (matplotlib)
-haff.runs    runs and compares cases
+haff.runs    runs, steps and compares cases
 haff.layers  measures layers on a plate
 haff.report  reports of runs as HTML
 haff.start   makes new cases
@@ -33,5 +33,6 @@ from haff.case.mesh import Mesh
 from haff.runs.compare import Comparison, compare
 from haff.runs.copies import ChangedCase
 from haff.runs.ensemble import ensemble
+from haff.runs.gas import Gas
 from haff.runs.run import RunError, run
 from haff.runs.sweep import sweep

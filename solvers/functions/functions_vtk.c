@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Function object vtk writes legacy VTK files of fields and grains, with a series file that ParaView opens. */
+/* Function object vtk writes VTK files of fields and grains, legacy or XML, with a series file that ParaView opens. */
 #include "solvers/functions/functions_private.h"
 
 #include "solvers/output/clouds.h"
@@ -10,7 +10,8 @@
 #include <stdlib.h>
 
 struct vtk {
-    bool ascii, pieces;
+    bool ascii, legacy, pieces;
+    enum vtk_form form;
     struct vtk_grid *grid; /* on the root; made by the first execution, as is values */
     double *values;        /* on the root: [fields][3 cells] */
 };
@@ -18,7 +19,9 @@ struct vtk {
 static const char *const formats[] = {"binary", "ascii", NULL};
 #define PARAM_STRUCT struct vtk
 static const struct param vtk_param[] = {
-    EITHER("writeFormat", ascii, false, formats, "of the VTK files"),
+    EITHER("writeFormat", ascii, false, formats, "of legacy files"),
+    SWITCH("legacy", legacy, true,
+           "legacy VTK (.vtk), which every reader knows; no: XML files (.vtu), whose arrays are compressed"),
     SWITCH("pieces", pieces, false,
            "a .vtu for each rank and an index .pvtu, binary, instead of one .vtk: no rank holds the whole; lattices"),
 };
@@ -26,6 +29,9 @@ static const struct param vtk_param[] = {
 static status vtk_make(struct function *f, struct dict *d) {
     struct vtk *v = f->own;
     if (v->pieces && v->ascii) return dict_fail(d, "writeFormat", "pieces are binary; leave the key out");
+    if (!v->legacy && v->ascii)
+        return dict_fail(d, "writeFormat", "files of  legacy no;  are binary; leave the key out");
+    v->form = !v->legacy ? VTK_XML : v->ascii ? VTK_ASCII : VTK_BINARY;
     if (!v->pieces || f->setup->grid->forest) return OK;
     return dict_fail(d, "pieces", "they are for lattices, and this run is on polyhedra; leave the key out");
 }
@@ -38,11 +44,11 @@ static status write_cloud(const struct function *f, const struct moment *now, co
     if (!s->medium->type->cloud) return OK;
     status e = s->medium->type->cloud(s->medium, &cloud);
     const bool any = !e && cloud.n > 0;
-    if (any) e = cloud_write_vtk(&cloud, folder, s->name, time, v->ascii, now->t, now->step);
+    if (any) e = cloud_write_vtk(&cloud, folder, s->name, time, v->form, now->t, now->step);
     cloud_free(&cloud);
     TRY(e);
     snprintf(name, sizeof name, "%s-grains", s->name);
-    return any ? vtk_series_write(folder, name, ".vtk", now->t) : OK;
+    return any ? vtk_series_write(folder, name, vtk_ending(v->form), now->t) : OK;
 }
 
 static status write_file(const struct function *f, const struct moment *now, const char *time,
@@ -51,10 +57,10 @@ static status write_file(const struct function *f, const struct moment *now, con
     char folder[TIME_PATH + 8], path[2 * TIME_PATH];
     snprintf(folder, sizeof folder, "%s/VTK", f->setup->dir);
     TRY(case_make_folders(f->setup, folder));
-    snprintf(path, sizeof path, "%s/%s_%s.vtk", folder, f->setup->name, time);
-    TRY(vtk_write(v->grid, path, v->ascii, now->t, now->step, f->nfields, fields));
+    snprintf(path, sizeof path, "%s/%s_%s%s", folder, f->setup->name, time, vtk_ending(v->form));
+    TRY(vtk_write(v->grid, path, v->form, now->t, now->step, f->nfields, fields));
     TRY(write_cloud(f, now, folder, time));
-    return vtk_series_write(folder, f->setup->name, ".vtk", now->t);
+    return vtk_series_write(folder, f->setup->name, vtk_ending(v->form), now->t);
 }
 
 static status write_pieces(const struct function *f, const struct moment *now, const char *time) {
@@ -100,7 +106,7 @@ static void vtk_free(void *own) {
 
 const struct function_type function_vtk = {
     .name = "vtk",
-    .about = "legacy VTK files in VTK/, with a .vtk.series",
+    .about = "VTK files in VTK/, with a series for ParaView",
     FUNCTION_PARAMS(vtk_param),
     .size = sizeof(struct vtk),
     .make = vtk_make,

@@ -4,7 +4,6 @@
 
 #include "solvers/case/fields.h"
 #include "solvers/case/times.h"
-#include "solvers/output/vtk.h"
 
 #include <limits.h>
 #include <math.h>
@@ -211,12 +210,12 @@ status cloud_read(const char *folder, int ncells, struct cloud *out) {
     return e;
 }
 
-status cloud_write_vtk(const struct cloud *c, const char *folder, const char *name, const char *time, bool ascii,
-                       double t, long step) {
+status cloud_write_vtk(const struct cloud *c, const char *folder, const char *name, const char *time,
+                       enum vtk_form form, double t, long step) {
     char path[2 * TIME_PATH];
     double *number = NULL;
     if (!c->n) return OK;
-    snprintf(path, sizeof path, "%s/%s-grains_%s.vtk", folder, name, time);
+    snprintf(path, sizeof path, "%s/%s-grains_%s%s", folder, name, time, vtk_ending(form));
     TRY(allocate(&number, 3L * c->n, sizeof(double), "VTK fields"));
     for (int i = 0; i < c->n; i++) {
         number[i] = c->id ? c->id[i] : i;
@@ -228,7 +227,7 @@ status cloud_write_vtk(const struct cloud *c, const char *folder, const char *na
     if (c->u) fields[n++] = (struct vtk_field){"U", 3, c->u[0]};
     if (c->spin) fields[n++] = (struct vtk_field){"omega", 3, c->spin[0]};
     if (c->species) fields[n++] = (struct vtk_field){"species", 1, number + 2L * c->n};
-    const status e = vtk_write_points(path, ascii, t, step, c->n, c->x[0], n, fields);
+    const status e = vtk_write_points(path, form, t, step, c->n, c->x[0], n, fields);
     free(number);
     return e;
 }

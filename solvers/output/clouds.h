@@ -6,6 +6,7 @@
 
 #include "mesh/format/polymesh.h"
 #include "solvers/case/checksums.h"
+#include "solvers/output/vtk.h"
 
 struct cloud { /* a zeroed cloud has no grains */
     int n;
@@ -28,8 +29,8 @@ bool cloud_exists(const char *time_folder); /* is there lagrangian/grains/positi
 /* Reads a cloud. Fails with ERR_INPUT, file and line on words that are no numbers, on cells that the mesh does not
  * have, and on fields of another length. */
 status cloud_read(const char *time_folder, int ncells, struct cloud *out);
-/* Writes legacy VTK POLYDATA; for the series call vtk_series_write with the name NAME-grains. */
-status cloud_write_vtk(const struct cloud *c, const char *folder, const char *name, const char *time, bool ascii,
-                       double t, long step);
+/* Writes VTK of the grains; for the series call vtk_series_write with the name NAME-grains. */
+status cloud_write_vtk(const struct cloud *c, const char *folder, const char *name, const char *time,
+                       enum vtk_form form, double t, long step);
 
 #endif

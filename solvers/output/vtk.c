@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes legacy VTK files as the VTK file formats document describes them: cells in VTK's order of points, big-endian
- * numbers, series (vtk.h). */
-#include "solvers/output/vtk.h"
+ * numbers, series (vtk.h). vtu.c writes XML files. */
+#include "solvers/output/vtk_private.h"
 
 #include "libcore/models/kernel.h"
 #include "mesh/format/files.h"
@@ -16,15 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATH = 4096, TETRAHEDRON = 10, HEXAHEDRON = 12, WEDGE = 13, PYRAMID = 14, POLYHEDRON = 42 };
-
-struct vtk_grid {
-    const struct polymesh *mesh;
-    int *cell_start, *cell_faces; /* [ncells + 1]; faces of each cell */
-    int *type;                    /* [ncells] VTK's cell type */
-    int *start;                   /* [ncells + 1] into ids */
-    int *ids;                     /* of each cell the number of its points, then these; or VTK's face stream */
-};
+enum { PATH = 4096 };
 
 static int face_size(const struct polymesh *m, int f) {
     return m->face_start[f + 1] - m->face_start[f];
@@ -231,11 +223,16 @@ static void write_fields(struct out *o, long n, int nfields, const struct vtk_fi
     }
 }
 
-status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double t, long step, int nfields,
+const char *vtk_ending(enum vtk_form form) {
+    return form == VTK_XML ? ".vtu" : ".vtk";
+}
+
+status vtk_write(const struct vtk_grid *g, const char *path, enum vtk_form form, double t, long step, int nfields,
                  const struct vtk_field *fields) {
     struct out o;
     long n = g->mesh->ncells;
-    TRY(open_out(path, ascii, &o));
+    if (form == VTK_XML) return vtu_write(g, path, t, step, nfields, fields);
+    TRY(open_out(path, form == VTK_ASCII, &o));
     write_start(&o, "UNSTRUCTURED_GRID", t, step);
     write_grid(g, &o);
     sink_printf(o.sink, "CELL_DATA %ld\nFIELD attributes %d\n", n, nfields);
@@ -243,10 +240,11 @@ status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double 
     return sink_close(o.sink);
 }
 
-status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
+status vtk_write_points(const char *path, enum vtk_form form, double t, long step, int n, const double *x, int nfields,
                         const struct vtk_field *fields) {
     struct out o;
-    TRY(open_out(path, ascii, &o));
+    if (form == VTK_XML) return vtu_write_points(path, t, step, n, x, nfields, fields);
+    TRY(open_out(path, form == VTK_ASCII, &o));
     write_start(&o, "POLYDATA", t, step);
     sink_printf(o.sink, "POINTS %d double\n", n);
     put_doubles(&o, 3L * n, 3, x);

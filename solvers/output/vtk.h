@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Legacy VTK files (version 3.0, binary big-endian or ascii) of a polyMesh with cell data, and their .vtk.series. */
+/* VTK files of a polyMesh with cell data, and the series that list them: legacy files (version 3.0, binary big-endian
+ * or ascii), or XML files (.vtu) whose arrays are compressed. */
 #ifndef SOLVERS_VTK_H
 #define SOLVERS_VTK_H
 
@@ -10,17 +11,20 @@ struct vtk_grid;
 status vtk_grid_make(const struct polymesh *m, struct vtk_grid **out); /* borrows m */
 void vtk_grid_free(struct vtk_grid *g);
 
+enum vtk_form { VTK_BINARY, VTK_ASCII, VTK_XML };
+const char *vtk_ending(enum vtk_form form); /* of the name of a file: ".vtk" or ".vtu" */
+
 struct vtk_field {
     const char *name;
     int components;       /* 1 or 3 */
     const double *values; /* [ncells][components] */
 };
 /* Writes the mesh with fields, to a temporary name that is then renamed; t in s. */
-status vtk_write(const struct vtk_grid *g, const char *path, bool ascii, double t, long step, int nfields,
+status vtk_write(const struct vtk_grid *g, const char *path, enum vtk_form form, double t, long step, int nfields,
                  const struct vtk_field *fields);
 
-/* Writes POLYDATA: n points x[n][3], each a vertex, with fields values[n][components]. */
-status vtk_write_points(const char *path, bool ascii, double t, long step, int n, const double *x, int nfields,
+/* Writes n points x[n][3], each a vertex, with fields values[n][components]; POLYDATA where the file is legacy. */
+status vtk_write_points(const char *path, enum vtk_form form, double t, long step, int n, const double *x, int nfields,
                         const struct vtk_field *fields);
 
 struct vtk_polygons {
@@ -34,8 +38,8 @@ status vtk_write_polygons(const char *path, bool ascii, double t, long step, con
 
 /* Stands in the second line of a file, before its time with all digits. */
 #define VTK_TITLE "haff, time "
-/* Writes FOLDER/NAME.vtk.series of the files FOLDER/NAME_*.vtk (ending: ".vtk") whose time is at most `latest`,
- * ascending: files left by an earlier run that went further stay out. */
+/* Writes FOLDER/NAME.vtk.series of the files FOLDER/NAME_*.vtk (ending: ".vtk", or another) whose time is at most
+ * `latest`, ascending: files left by an earlier run that went further stay out. */
 status vtk_series_write(const char *folder, const char *name, const char *ending, double latest);
 
 #endif

@@ -3,13 +3,13 @@
 #include "solvers/output/vtk_pieces.h"
 
 #include "solvers/output/output.h"
-#include "solvers/output/vtk.h"
+#include "solvers/output/vtk_private.h"
 
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { CORNERS = 8, HEXAHEDRON = 12 };
+enum { CORNERS = 8 };
 
 /* Returns the number of corners of a block; of its cells, where a cell has no corner more than itself. */
 static long count(const struct forest_block *b, int more) {
@@ -107,17 +107,12 @@ static void print_arrays(const struct setup *s, struct sink *o, const int *quant
     sink_printf(o, "</%sCellData>\n", p);
 }
 
-static void print_head(struct sink *o, const char *kind, double t, long step) {
-    sink_printf(o, "<?xml version=\"1.0\"?>\n<!-- " VTK_TITLE "%.17g, step %ld -->\n", t, step);
-    sink_printf(o, "<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n", kind);
-}
-
 /* Writes the index, which names the pieces of the ranks that have cells. */
 static status write_index(const struct setup *s, const char *path, const char *name, double t, long step,
                           const int *quantity, const int *cells) {
     struct sink *o;
     TRY(sink_open(path, false, &o));
-    print_head(o, "PUnstructuredGrid", t, step);
+    vtu_head(o, "PUnstructuredGrid", false, t, step);
     sink_printf(o, "<PUnstructuredGrid GhostLevel=\"0\">\n");
     print_arrays(s, o, quantity, NULL, 0, 0);
     for (int r = 0; r < comm_size(s->comm); r++)
@@ -134,7 +129,7 @@ static status open_piece(const struct setup *s, const char *path, double t, long
     struct sink *o;
     TRY(sink_open(path, false, &o));
     sink_unsummed(o);
-    print_head(o, "UnstructuredGrid", t, step);
+    vtu_head(o, "UnstructuredGrid", false, t, step);
     sink_printf(o, "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%ld\" NumberOfCells=\"%ld\">\n", points, n);
     print_arrays(s, o, quantity, &at, n, points);
     sink_printf(o, "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");

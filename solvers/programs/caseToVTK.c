@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* caseToVTK: the written times of a case as legacy VTK files. */
+/* caseToVTK: the written times of a case as VTK files. */
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "solvers/case/blockmesh.h"
 #include "solvers/case/fields.h"
@@ -26,18 +26,19 @@ struct conversion {
     char name[256];
     const char *times[MOST], *fields[MOST]; /* names that the command line asks for; none: all */
     int ntimes, nfields;
-    bool ascii, help, version;
+    enum vtk_form form;
+    bool help, version;
     int clouds; /* number of clouds written */
     struct polymesh *mesh;
     struct vtk_grid *grid;
 };
 
 static const char usage[] =
-    "caseToVTK [-case] DIR [-time T1,T2,..] [-fields F1,F2,..] [-phases NAME] [-ascii] [-help] [-version]\n\n"
+    "caseToVTK [-case] DIR [-time T1,T2,..] [-fields F1,F2,..] [-phases NAME] [-ascii | -vtu] [-help] [-version]\n\n"
     "Converts the written times of the case (default: all) to DIR/VTK/NAME_TIME.vtk with a .vtk.series; fields:\n"
     "default rho alpha U T p, those that are there; any volScalarField or volVectorField can be named. Grains of\n"
     "granularMD go to DIR/VTK/NAME-grains_TIME.vtk. -phases: instead of times the phases of that phaseAverage (of its\n"
-    "latest start), to DIR/VTK/NAME_PHASE.vtk.\n";
+    "latest start), to DIR/VTK/NAME_PHASE.vtk. -vtu: XML files whose arrays are compressed instead of legacy VTK.\n";
 
 static status take_list(char *text, const char **out, int *n) {
     for (char *word = strtok(text, ", "); word; word = strtok(NULL, ", ")) {
@@ -48,12 +49,15 @@ static status take_list(char *text, const char **out, int *n) {
 }
 
 static status read_options(int argc, char **argv, struct conversion *c) {
-    static const char *const names[] = {"DIR", "-case", "-time", "-fields", "-phases", "-ascii", "-help", "-version"};
+    static const char *const names[] = {"DIR",    "-case", "-time", "-fields", "-phases",
+                                        "-ascii", "-vtu",  "-help", "-version"};
     const char *value;
     for (int i = 1; i < argc; i++) {
         bool time = !strcmp(argv[i], "-time"), field = !strcmp(argv[i], "-fields");
         if (!strcmp(argv[i], "-ascii"))
-            c->ascii = true;
+            c->form = VTK_ASCII;
+        else if (!strcmp(argv[i], "-vtu"))
+            c->form = VTK_XML;
         else if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help"))
             c->help = true;
         else if (!strcmp(argv[i], "-version") || !strcmp(argv[i], "--version"))
@@ -66,7 +70,7 @@ static status read_options(int argc, char **argv, struct conversion *c) {
             TRY(option_value(argc, argv, &i, &value));
             TRY(take_list(argv[i], time ? c->times : c->fields, time ? &c->ntimes : &c->nfields));
         } else if (argv[i][0] == '-' || c->dir)
-            return option_unknown(argv[i], names, 8);
+            return option_unknown(argv[i], names, 9);
         else
             c->dir = argv[i];
     }
@@ -136,8 +140,8 @@ static status convert_cloud(struct conversion *c, const struct instant *at) {
     if (!cloud_exists(folder)) return OK;
     TRY(cloud_read(folder, c->mesh->ncells, &cloud));
     snprintf(vtk, sizeof vtk, "%.4000s/VTK", c->dir);
-    status s = cloud_write_vtk(&cloud, vtk, c->name, at->name, c->ascii, at->t, at->step);
-    if (!s) printf("%s/%s-grains_%s.vtk\n", vtk, c->name, at->name);
+    status s = cloud_write_vtk(&cloud, vtk, c->name, at->name, c->form, at->t, at->step);
+    if (!s) printf("%s/%s-grains_%s%s\n", vtk, c->name, at->name, vtk_ending(c->form));
     c->clouds++;
     cloud_free(&cloud);
     return s;
@@ -154,8 +158,8 @@ static status convert(struct conversion *c, const struct instant *at) {
         for (int i = 0; !s && i < FIELD_COUNT; i++) s = read_one(c, at, field_kinds[i].name, list, &n);
     snprintf(path, sizeof path, "%s/VTK", c->dir);
     if (!s) s = make_folders(path);
-    snprintf(path, sizeof path, "%s/VTK/%s_%s.vtk", c->dir, c->name, at->name);
-    if (!s) s = vtk_write(c->grid, path, c->ascii, at->t, at->step, n, list);
+    snprintf(path, sizeof path, "%s/VTK/%s_%s%s", c->dir, c->name, at->name, vtk_ending(c->form));
+    if (!s) s = vtk_write(c->grid, path, c->form, at->t, at->step, n, list);
     if (!s) printf("%s\n", path);
     for (int i = 0; i < n; i++) free((void *)(uintptr_t)list[i].values);
     return s ? s : convert_cloud(c, at);
@@ -209,9 +213,9 @@ static status convert_all(struct conversion *c) {
         latest = times[i].t;
     }
     snprintf(path, sizeof path, "%s/VTK", c->dir);
-    if (!s) s = vtk_series_write(path, c->name, ".vtk", latest);
+    if (!s) s = vtk_series_write(path, c->name, vtk_ending(c->form), latest);
     snprintf(c->name + strlen(c->name), sizeof c->name - strlen(c->name), "-grains");
-    if (!s && c->clouds) s = vtk_series_write(path, c->name, ".vtk", latest);
+    if (!s && c->clouds) s = vtk_series_write(path, c->name, vtk_ending(c->form), latest);
     free(times);
     if (!s) return damage;
     status_free(damage);

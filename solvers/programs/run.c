@@ -17,11 +17,13 @@
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double LOOK = 0.05; /* s, clock: how often controlDict is looked at if steps are shorter */
 
 struct run {
+    struct lock *lock;
     struct setup *setup;
     struct functions *functions;
     struct output *output;
@@ -34,7 +36,9 @@ struct run {
     double dt;           /* s: the last step, or the step to try next */
     double written_time; /* NAN: none yet */
     double looked;       /* s, clock: when controlDict was last looked at */
+    double until;        /* s: a step ends there, at the latest */
     long cut;            /* steps of a fixed deltaT that the time scheme had to cut */
+    bool runs; /* have its steps begun, and none failed? */
     bool stop;
 };
 
@@ -325,7 +329,8 @@ static status step_once(struct run *r) {
     const struct pace pace = plan(r);
     timing_lap(&r->timing, LAP_PLAN);
     outlook_steps(&r->outlook, s, &pace, r->now.t);
-    const double next = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
+    const double due = fmin(trigger_next(&c->write, r->now.t), functions_next(r->functions, r->now.t));
+    const double next = fmin(due, r->until);
     const double knot = next_knot(r);
     double dt = control_step(c, r->now.t, r->now.step, pace.stable, fmin(next, knot), &end, &limit), planned = dt;
     if (limit == DT_STABLE) TRY(note_cut(r, dt));
@@ -378,26 +383,47 @@ static void print_end(const struct run *r) {
     if (r->cut) printf("%ld steps were shorter than deltaT, by the limit of the time scheme\n", r->cut);
 }
 
-static status loop(struct run *r) {
+/* Begins the steps; a case whose start has reached endTime has none. */
+static status begin(struct run *r) {
     struct setup *s = r->setup;
     TRY(start(r));
     TRY(write_original(r));
     TRY(functions_execute(r->functions, NULL, &r->now, s->start.name));
     if (control_ended(s->control, r->now.t)) {
+        r->stop = true;
         if (comm_root(s->comm))
             printf("nothing to do: time %s has reached endTime %g\n", s->start.name, s->control->end_time);
         return OK;
     }
     TRY(tabulate_start(r));
     timing_lap(&r->timing, LAP_START);
-    while (!r->stop) {
-        status e = step_once(r);
-        if (e) return keep_last(r, e);
-    }
+    r->runs = true;
+    return OK;
+}
+
+/* Prints what is known at the end of the steps. */
+static status end(struct run *r) {
+    struct setup *s = r->setup;
+    if (!r->runs) return OK;
     if (comm_root(s->comm)) print_end(r);
     if (s->medium->type->finish) TRY(s->medium->type->finish(s->medium, stdout));
     print_warnings(s, "");
     return OK;
+}
+
+status run_step(struct run *r, double until) {
+    r->until = until;
+    const status e = step_once(r);
+    if (!e) return OK;
+    r->stop = true;
+    r->runs = false;
+    return keep_last(r, e);
+}
+
+static status loop(struct run *r) {
+    TRY(begin(r));
+    while (!r->stop) TRY(run_step(r, HUGE_VAL));
+    return end(r);
 }
 
 /* Locks the case and removes what a killed run left half written, on the root. The lock comes first: only then no other
@@ -407,20 +433,30 @@ static status lock_and_clean(const char *dir, const char *application, struct lo
     return times_clean(dir);
 }
 
+/* Locks and reads a case. */
+static status take(struct run *r, const char *dir, const struct medium_type *type, struct case_reading how,
+                   const struct comm *c) {
+    *r = (struct run){.written_time = NAN, .until = HUGE_VAL};
+    TRY(comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &r->lock) : OK));
+    return read_everything(dir, type, how, c, &r->setup, &r->functions);
+}
+
+static void leave(struct run *r) {
+    progress_end(&r->progress);
+    output_free(r->output);
+    functions_free(r->functions);
+    case_free(r->setup);
+    lock_release(r->lock);
+}
+
 /* Reads a case, locked, and does something with it. */
 static status with_case(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c,
                         status (*action)(struct run *r)) {
-    struct run r = {.written_time = NAN};
-    struct lock *lock = NULL;
-    status e = comm_agree(c, comm_root(c) ? lock_and_clean(dir, type->application, &lock) : OK);
-    if (!e) e = read_everything(dir, type, how, c, &r.setup, &r.functions);
+    struct run r;
+    status e = take(&r, dir, type, how, c);
     if (!e) e = action(&r);
     if (!e) e = output_settle(r.output);
-    progress_end(&r.progress);
-    output_free(r.output);
-    functions_free(r.functions);
-    case_free(r.setup);
-    lock_release(lock);
+    leave(&r);
     return e;
 }
 
@@ -438,4 +474,45 @@ status run_case(const char *dir, const struct medium_type *type, struct case_rea
     catch_signals();
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     return with_case(dir, type, how, c, loop);
+}
+
+status run_open(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c,
+                struct run **out) {
+    struct run *r;
+    *out = NULL;
+    TRY(allocate(&r, 1, sizeof *r, "a run"));
+    status e = take(r, dir, type, how, c);
+    if (!e) e = begin(r);
+    if (e) {
+        leave(r);
+        free(r);
+        return e;
+    }
+    *out = r;
+    return OK;
+}
+
+const struct moment *run_now(const struct run *r) {
+    return &r->now;
+}
+
+bool run_ended(const struct run *r) {
+    return r->stop;
+}
+
+const struct setup *run_setup(const struct run *r) {
+    return r->setup;
+}
+
+status run_write(struct run *r) {
+    TRY(write_last(r));
+    return output_settle(r->output);
+}
+
+status run_close(struct run *r) {
+    status e = end(r);
+    if (!e) e = output_settle(r->output);
+    leave(r);
+    free(r);
+    return e;
 }

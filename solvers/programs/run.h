@@ -20,4 +20,19 @@ status run_initial(const char *dir, const struct medium_type *type, struct case_
  * says onError abort. */
 status run_case(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c);
 
+/* ---- a run whose steps its caller asks for (solvers/python/haffgas.c) ---- */
+
+struct run;
+/* Locks, reads and starts a case as run_case does, but catches no signals. Collective, as all functions here. */
+status run_open(const char *dir, const struct medium_type *type, struct case_reading how, const struct comm *c,
+                struct run **out);
+/* Takes one step, which ends at `until` (s) at the latest, with all that run_case does at its end: log, function
+ * objects, written times. Not after run_ended. An error ends the run. */
+status run_step(struct run *r, double until);
+bool run_ended(const struct run *r); /* has it reached endTime or stopAt, or failed? */
+const struct moment *run_now(const struct run *r);
+const struct setup *run_setup(const struct run *r);
+status run_write(struct run *r); /* writes the time now, unless it is on the disk, and waits until it is */
+status run_close(struct run *r); /* ends the log, waits for written times, frees all */
+
 #endif

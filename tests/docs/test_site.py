@@ -10,6 +10,7 @@ import unittest
 from importlib.machinery import SourceFileLoader
 
 from tests.cases import harness
+from tests.postprocessing.report import made
 from tests.postprocessing.report.browser import PROGRAM, Browser
 from tests.postprocessing.report.test_browser import BROKEN, SHIFT
 
@@ -36,6 +37,7 @@ class Links(harness.Folder, unittest.TestCase):
         self.assertLessEqual({"index", "docs/userGuide", "docs/reference", "cases/wedge/index", "docs/library/sod.c", "docs/examples/index"}, set(site.pages))
         self.assertEqual(len(glob.glob(os.path.join(harness.SOURCE, "cases", "*", "README.md"))), len([name for name in site.pages if re.fullmatch(r"cases/\w+/index", name)]))
         self.assertIn("endTime", site.pages["cases/wedge/index"].split("### `system/controlDict`")[1])
+        self.assertIn("| upstream Mach number |  | 0.0425 | 11.5909 | 11.5909 | exact solution |", site.pages["cases/wedge/index"])
         self.assertIn('<a href="../../docs/gallery.html">', maker().Site(self.folder, ()).converted("[more](../../docs/gallery.md)", "cases/silo/README.md"))
         self.assertIn("`[no](link.md)`", site.converted("`[no](link.md)`", "README.md"))
 
@@ -55,7 +57,8 @@ class Pages(harness.Folder, unittest.TestCase):
     def setUpClass(cls):
         super().setUpClass()
         cls.site = os.path.join(cls.folder, "site")
-        done = subprocess.run([MAKER, cls.site, *PAGES], capture_output=True, text=True)
+        made.gas(os.path.join(cls.folder, "runs", "wedge"))
+        done = subprocess.run([MAKER, cls.site, "-runs", os.path.join(cls.folder, "runs"), *PAGES], capture_output=True, text=True)
         if done.returncode:
             raise AssertionError(done.stdout + done.stderr)
         cls.browser = Browser().__enter__()
@@ -75,6 +78,12 @@ class Pages(harness.Folder, unittest.TestCase):
                     self.assertEqual(opened.value(BROKEN), 0)
                     back = opened.value("getComputedStyle(document.body).backgroundColor")
                     self.assertEqual(max(map(int, back[4:-1].split(","))) < 60, dark, back)
+
+    def test_report_of_a_run(self):
+        """A case that has run in RUNS links to its report; others have none."""
+        for case, there in (("wedge", 1), ("silo", 0)):
+            self.assertEqual(self.open(f"cases/{case}/index").value("document.querySelectorAll('a[href=\"report.html\"]').length"), there)
+        self.assertEqual(self.open("cases/wedge/report").errors, [])
 
     def test_search(self):
         """Works from files, without a server."""

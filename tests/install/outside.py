@@ -8,7 +8,8 @@ from tests.cases import harness
 
 BUILD = os.path.dirname(harness.BIN)
 INSTALLS = os.path.exists(os.path.join(BUILD, "cmake_install.cmake"))
-MODULE = os.path.exists(os.path.join(harness.BIN, "haffimplicit.so"))
+LIBRARIES = [name for name in ("haffgas.so", "haffimplicit.so") if os.path.exists(os.path.join(harness.BIN, name))]
+MODULE = "haffimplicit.so" in LIBRARIES
 with open(os.path.join(harness.SOURCE, "CMakeLists.txt"), encoding="utf-8") as _file:
     _LISTS = dict(re.findall(r"^(?:project\(haff )?(?:set\()?(PROGRAMS|COMMANDS|VERSION) ([^)\n]*?)(?: LANGUAGES.*)?\)", _file.read(), re.M))
 PROGRAMS, COMMANDS, VERSION = _LISTS["PROGRAMS"].split(), ["haff", *_LISTS["COMMANDS"].split()], _LISTS["VERSION"]

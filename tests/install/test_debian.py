@@ -11,7 +11,7 @@ import unittest
 
 from tests.cases import harness, runs
 from tests.install import outside
-from tests.install.outside import COMMANDS, MODULE, PROGRAMS, call
+from tests.install.outside import COMMANDS, LIBRARIES, MODULE, PROGRAMS, call
 from tests.postprocessing.runs.test_run import tube
 
 TOOLS = "cpack dpkg-deb dpkg-shlibdeps file apt-get gzip readelf".split()
@@ -91,7 +91,7 @@ class Debian(harness.Folder, unittest.TestCase):
         self.assertTrue({p + ".1.gz" for p in PROGRAMS + COMMANDS} <= set(pages))
         self.assertTrue(all(p.endswith(".1.gz") for p in pages))
         self.assertEqual([], outside.traces(self.root))
-        for name in [*("bin/" + p for p in PROGRAMS), *["lib/haff/haffimplicit.so"] * MODULE]:
+        for name in [*("bin/" + p for p in PROGRAMS), *("lib/haff/" + name for name in LIBRARIES)]:
             said = call("readelf", "-d", "-S", os.path.join(self.root, "usr", name), cwd=self.folder)
             self.assertNotRegex(said, r"RUNPATH|RPATH|\.symtab|\.debug", name)
 

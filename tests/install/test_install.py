@@ -11,12 +11,12 @@ import unittest
 
 from tests.cases import harness, runs
 from tests.install import outside
-from tests.install.outside import BUILD, COMMANDS, MODULE, PROGRAMS, call
+from tests.install.outside import BUILD, COMMANDS, LIBRARIES, MODULE, PROGRAMS, call
 from tests.postprocessing.report import made
 from tests.postprocessing.runs.test_run import tube
 
-# Runs the case of its argument on two ranks and says where all lies; its error has file and line.
-SCRIPT = """import os, sys
+# Runs the case of its argument on two ranks and says where all lies; its error has file and line; steps a copy in its own process.
+SCRIPT = """import os, shutil, sys
 import haff, haff.paths
 print(haff.__file__)
 print(haff.paths.program("granularGas"))
@@ -26,6 +26,9 @@ try:
     haff.run(sys.argv[1], {"constant/granularProperties": {"grain/restitution": 7}})
 except haff.RunError as error:
     print(os.path.basename(error.file), error.line)
+with haff.Gas(shutil.copytree(sys.argv[1], sys.argv[1] + "Stepped")) as gas:
+    gas.advance(0.015)
+    print(gas.time)
 """
 
 
@@ -85,7 +88,7 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
         that of the system. Nothing names the tree or the build."""
         self.assertEqual(set(PROGRAMS + COMMANDS), set(os.listdir(self.bin)))
         have = set(os.listdir(os.path.join(self.prefix, "lib", "haff")))
-        self.assertEqual({"mpirun", "python"} | ({"haffimplicit.so"} if MODULE else set()), have)
+        self.assertEqual({"mpirun", "python", *LIBRARIES}, have)
         of = lambda folder: {k for k in runs.contents(folder) if k.endswith((".py", ".js", ".css", ".txt"))}
         self.assertEqual(of(os.path.join(self.prefix, "lib/haff/python/haff")), of(os.path.join(harness.SOURCE, "postprocessing/haff")))
         self.assertEqual([], outside.traces(self.prefix))
@@ -114,6 +117,7 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
         said = call(sys.executable, script, case, cwd=self.folder).splitlines()
         self.assertEqual(said[:3], [os.path.join(self.prefix, "lib/haff/python/haff/__init__.py"), os.path.join(self.bin, "granularGas"), "0.05"])
         self.assertRegex(said[3], r"^granularProperties \d+$")
+        self.assertEqual(said[4], "0.015")
         self.assertIn("restitution=0.8", call(os.path.join(self.bin, "haff"), "run", case, "constant/granularProperties:grain/restitution=0.8", cwd=self.folder))
 
     def test_version(self):

@@ -45,7 +45,7 @@ class Wheel(harness.Folder, unittest.TestCase):
         plugins = glob.glob(os.path.join(home, "openmpi", "**", "mca_*.so"), recursive=True)
         self.assertLessEqual(set(PROGRAMS + COMMANDS), set(os.listdir(self.bin)))
         self.assertLessEqual({"mca_pml_ob1.so", "mca_btl_vader.so", "mca_btl_tcp.so", "mca_pmix_ext3x.so"}, set(map(os.path.basename, plugins)))
-        objects = [*(os.path.join(self.bin, p) for p in PROGRAMS), os.path.join(home, "openmpi/bin/mpirun"), *plugins, *glob.glob(os.path.join(home, "libs", "*"))]
+        objects = [*(os.path.join(self.bin, p) for p in PROGRAMS), os.path.join(home, "haffgas.so"), os.path.join(home, "openmpi/bin/mpirun"), *plugins, *glob.glob(os.path.join(home, "libs", "*"))]
         said = re.split(r"^(/.*):\s+file format.*$", call("objdump", "-p", *objects, cwd=self.folder), flags=re.M)
         self.assertEqual(set(objects), set(said[1::2]))
         for path, text in zip(said[1::2], said[2::2]):
@@ -72,6 +72,9 @@ class Wheel(harness.Folder, unittest.TestCase):
         picture = run(os.path.join(self.bin, "haffPlot"), ".", cwd=grains).split()[-1]
         self.assertGreater(os.path.getsize(os.path.join(grains, picture)), 10000)
         self.assertIn("end at time 0.2", run(os.path.join(self.bin, "granularGas"), "-case", pair, "-np", "2", cwd=self.folder))
+        steps = "import haff; gas = haff.Gas('stepped'); gas.advance(0.1); print(gas.time, gas.alpha.shape)"
+        shutil.copytree(gas, os.path.join(self.folder, "stepped"), ignore=shutil.ignore_patterns("0.[12]*"))
+        self.assertEqual("0.1 (288,)\n", run(os.path.join(self.bin, "python3"), "-c", steps, cwd=self.folder))
         fields = lambda case: {name: outside.texts(os.path.join(case, "0.2"))[name] for name in ("alpha", "U", "T")}
         self.assertEqual(fields(gas), fields(pair))
 

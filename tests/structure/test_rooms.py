@@ -51,6 +51,7 @@ ROOMS = {
                             "solvers/dict", "solvers/case", "solvers/output"],
     "solvers/programs": ["libcore/models", "mesh/base", "mesh/format", "mesh/grid", "mesh/lattice", "solvers/dict",
                          "solvers/case", "solvers/output", "solvers/functions"],
+    "solvers/python": ["mesh/base", "solvers/output", "solvers/programs"],
 }
 
 # Libraries and the only files that may include them.
@@ -65,7 +66,8 @@ LIBRARIES = {
     r"(fcntl|dirent)\.h": ["mesh/format/files.c", "solvers/case/lock.c", "solvers/case/times.c", "solvers/functions/functions_image.c",
                            "solvers/output/vtk.c", "solvers/programs/unread.c"],
     r"zlib\.h": ["mesh/format/foamfile.c", "mesh/format/foamwrite.c", "mesh/base/window.c", "mesh/spread/spread_outline.c"],
-    r"libdeflate\.h": ["mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/spread/spread_outline.c"],
+    r"libdeflate\.h": ["mesh/format/foamwrite.c", "mesh/format/polymesh.c", "mesh/spread/spread_outline.c",
+                        "solvers/output/vtu.c"],
 }
 
 # Headers of the system that libcore has no business with: it opens no file, and does not know where programs lie.

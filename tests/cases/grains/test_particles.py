@@ -51,9 +51,9 @@ OPENFOAM = "/usr/share/openfoam"
 
 def points(path):
     """The POLYDATA of a file, by VTK."""
-    reader = vtk.vtkPolyDataReader()
+    reader = vtk.vtkXMLUnstructuredGridReader() if path.endswith(".vtu") else vtk.vtkPolyDataReader()
     reader.SetFileName(path)
-    reader.ReadAllScalarsOn(), reader.ReadAllVectorsOn(), reader.ReadAllFieldsOn(), reader.Update()
+    reader.Update()
     return reader.GetOutput()
 
 
@@ -354,24 +354,25 @@ class Particles(harness.Folder, unittest.TestCase):
                 np.testing.assert_array_equal(a, b)
 
     def test_vtk(self):
-        """POLYDATA of the cloud from the function object and from caseToVTK, read by VTK."""
+        """The cloud from the function object and from caseToVTK, read by VTK."""
         if vtk is None:
             self.skipTest("VTK's Python module is not there")
         case = self.case("pictures", control="functions { pictures { type vtk; writeControl writeTime; } }\n", end=1)
         solve(case)
         c = grains.read(harness.haff.Case(case), "1")
-        for ascii in (None, [], ["-ascii"]):
+        for ascii in (None, [], ["-ascii"], ["-vtu"]):
             if ascii is not None:
                 shutil.rmtree(os.path.join(case, "VTK"))
                 harness.program("caseToVTK", case, *ascii)
-            data = points(os.path.join(case, "VTK", "pictures-grains_1.vtk"))
+            ending = ".vtu" if ascii == ["-vtu"] else ".vtk"
+            data = points(os.path.join(case, "VTK", "pictures-grains_1" + ending))
             n = data.GetNumberOfPoints()
-            self.assertEqual((n, data.GetNumberOfVerts()), (len(c["x"]), len(c["x"])))
+            self.assertEqual((n, data.GetNumberOfCells()), (len(c["x"]), len(c["x"])))
             np.testing.assert_array_equal([data.GetPoint(i) for i in range(n)], c["x"])
             for name in ("U", "d", "id"):
                 np.testing.assert_array_equal(values(data, name), c[name].astype(float))
             for series, times in (("pictures", 3), ("pictures-grains", 2 if ascii is not None else 3)):
-                with open(os.path.join(case, "VTK", series + ".vtk.series")) as f:
+                with open(os.path.join(case, "VTK", series + ending + ".series")) as f:
                     self.assertEqual(f.read().count('"time"'), times, series)
 
     def test_openfoam(self):

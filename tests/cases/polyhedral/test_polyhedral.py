@@ -272,12 +272,11 @@ class Words(harness.Folder, unittest.TestCase):
 
 
 class Readers(harness.Folder, unittest.TestCase):
-    def written(self, case, time="0.002"):
-        """The file of the function object, and what VTK makes of it."""
+    def written(self, case, ending=".vtk"):
+        """What VTK makes of a file."""
         import vtk
-        reader = vtk.vtkUnstructuredGridReader()
-        reader.SetFileName(os.path.join(case, "VTK", f"{os.path.basename(case)}_{time}.vtk"))
-        reader.ReadAllScalarsOn()
+        reader = vtk.vtkXMLUnstructuredGridReader() if ending == ".vtu" else vtk.vtkUnstructuredGridReader()
+        reader.SetFileName(os.path.join(case, "VTK", f"{os.path.basename(case)}_0.002{ending}"))
         sizes = vtk.vtkCellSizeFilter()
         sizes.SetInputConnection(reader.GetOutputPort())
         sizes.Update()
@@ -293,6 +292,23 @@ class Readers(harness.Folder, unittest.TestCase):
         if types & {10, 12, 13, 14} == types:
             np.testing.assert_allclose(vtk_to_numpy(data.GetArray("Volume")), result.volumes, rtol=1e-9)
         np.testing.assert_array_equal(vtk_to_numpy(data.GetArray("alpha")), result.field("alpha"))
+        self.check_xml(case, grid)
+
+    def check_xml(self, case, legacy):
+        """caseToVTK -vtu gives VTK the same cells, with the same faces, volumes and fields."""
+        from vtk.util.numpy_support import vtk_to_numpy
+        harness.program("caseToVTK", case, "-vtu")
+        grid = self.written(case, ".vtu")
+        self.assertEqual(grid.GetNumberOfCells(), legacy.GetNumberOfCells())
+        for i in range(grid.GetNumberOfCells()):
+            a, b = grid.GetCell(i), legacy.GetCell(i)
+            self.assertEqual((a.GetCellType(), a.GetNumberOfFaces(), a.GetNumberOfPoints(), a.GetBounds()),
+                             (b.GetCellType(), b.GetNumberOfFaces(), b.GetNumberOfPoints(), b.GetBounds()))
+        volumes, other = (vtk_to_numpy(g.GetCellData().GetArray("Volume")) for g in (grid, legacy))
+        np.testing.assert_allclose(volumes, other, rtol=1e-9)  # VTK cuts polyhedra by the order of their points
+        for name in ("alpha", "U"):
+            np.testing.assert_array_equal(*(vtk_to_numpy(g.GetCellData().GetArray(name)) for g in (grid, legacy)), err_msg=name)
+        self.assertEqual(grid.GetFieldData().GetArray("TimeValue").GetValue(0), 0.002)
 
     def test_every_shape(self):
         for mesh, (geo, kind) in MESHES.items():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK files in pieces: each rank writes its own cells, and VTK reads the index as it reads the one file of a run on one rank."""
+"""VTK files in pieces and XML files of all cells: VTK reads them as it reads the one legacy file of a run on one rank."""
 import json
 import os
 import unittest
@@ -17,6 +17,7 @@ except ImportError:
 
 FIELDS = ("rho", "U", "p", "vorticity")
 WHOLE = "whole { type vtk; fields (%s); writeControl writeTime; } " % " ".join(FIELDS)
+XML = WHOLE.replace("whole {", "xml { legacy no;")
 PIECES = "pieces { type vtk; pieces yes; fields (%s); writeControl writeTime; }" % " ".join(FIELDS)
 
 
@@ -38,7 +39,7 @@ def cells(reader, path):
 class Pieces(harness.Folder, unittest.TestCase):
     def compare(self, name, make, ranks):
         case = make(os.path.join(self.folder, name))
-        runs.add(case, "system/controlDict", "functions { " + WHOLE + PIECES + " }\n")
+        runs.add(case, "system/controlDict", "functions { " + WHOLE + XML + PIECES + " }\n")
         harness.edit(case, "system/controlDict", endTime=0.01, writeInterval=0.005)
         harness.program("granularGas", "-case", case, ranks=ranks)
         folder = os.path.join(case, "VTK")
@@ -49,6 +50,9 @@ class Pieces(harness.Folder, unittest.TestCase):
             self.assertTrue(entry["name"].endswith(".pvtu"))
             one = cells(vtk.vtkUnstructuredGridReader(), os.path.join(folder, entry["name"].replace(".pvtu", ".vtk")))
             all_pieces = cells(vtk.vtkXMLPUnstructuredGridReader(), os.path.join(folder, entry["name"]))
+            xml = cells(vtk.vtkXMLUnstructuredGridReader(), os.path.join(folder, entry["name"].replace(".pvtu", ".vtu")))
+            for a, b in zip(xml[:2] + tuple(xml[2].values()), one[:2] + tuple(one[2].values())):
+                np.testing.assert_array_equal(a, b)
             np.testing.assert_allclose(all_pieces[0], one[0], rtol=0, atol=1e-12)
             np.testing.assert_allclose(all_pieces[1], one[1], rtol=1e-9)  # and not negative: no cell is inside out
             self.assertGreater(all_pieces[1].min(), 0)
@@ -57,10 +61,13 @@ class Pieces(harness.Folder, unittest.TestCase):
         pieces = [n for n in os.listdir(os.path.join(folder, f"{name}_0.01")) if n.endswith(".vtu")]
         self.assertLessEqual(len(pieces), ranks)
         self.assertGreater(len(pieces), ranks > 1)
+        with open(os.path.join(folder, f"{name}_0.01.vtu"), "rb") as f:
+            return f.read()
 
     def test_a_step(self):
-        for ranks in (1, 3):
-            self.compare(f"step{ranks}", lambda path: meshes.channel(path), ranks)
+        """Also: the compressed file of all cells has the same bytes on any number of ranks."""
+        one, three = (self.compare(f"step{ranks}", lambda path: meshes.channel(path), ranks) for ranks in (1, 3))
+        self.assertTrue(one == three)
 
     def test_a_room(self):
         self.compare("room", lambda path: meshes.room(path, (44, 26, 24)), 2)
@@ -83,6 +90,7 @@ class Pieces(harness.Folder, unittest.TestCase):
 
     def test_refusals(self):
         rows = (("ascii", PIECES.replace("pieces yes", "pieces yes; writeFormat ascii"), "", "pieces are binary"),
+                ("xml", XML.replace("legacy no;", "legacy no; writeFormat ascii;"), "", "files of  legacy no;  are binary"),
                 ("polyhedra", PIECES, "meshEngine polyhedral;\n", "pieces.*they are for lattices"))
         for name, function, schemes, said in rows:
             case = meshes.channel(os.path.join(self.folder, name))

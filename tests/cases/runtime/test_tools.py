@@ -66,22 +66,27 @@ class Tools(harness.Folder, unittest.TestCase):
         for name in FIELDS:
             np.testing.assert_allclose(vtk_to_numpy(data.GetArray(name)), self.values[name], rtol=2e-7, err_msg=name)
 
-    def test_our_vtk(self):
-        """caseToVTK: every time, listed in the series; values to the bit."""
+    def ours(self, ending, *options):
+        """Every time is listed in the series; values to the bit. Returns the bytes of the last file."""
         import json
         import meshio
-        harness.program("caseToVTK", self.path)
-        (series,) = glob.glob(os.path.join(self.path, "VTK", "*.vtk.series"))
+        harness.program("caseToVTK", self.path, *options)
+        (series,) = glob.glob(os.path.join(self.path, "VTK", f"*{ending}.series"))
         with open(series) as f:
             files = json.load(f)["files"]
-        last = max(files, key=lambda entry: entry["time"])
-        self.assertEqual(last["time"], 0.004)
-        read = meshio.read(os.path.join(os.path.dirname(series), last["name"]))
+        self.assertEqual([entry["time"] for entry in files], [0, 0.002, 0.004])
+        path = os.path.join(os.path.dirname(series), files[-1]["name"])
+        read = meshio.read(path)
         self.assertEqual([(block.type, len(block.data)) for block in read.cells], [("hexahedron", 1200)])
         for name in FIELDS:
             np.testing.assert_array_equal(np.squeeze(read.cell_data[name][0]), self.values[name], err_msg=name)
         centre = read.points[read.cells[0].data].mean(axis=1)
         np.testing.assert_allclose(centre, self.case.centres, atol=1e-12)
+        return os.path.getsize(path)
+
+    def test_our_vtk(self):
+        """caseToVTK writes legacy and XML files, and the latter are less than half as large."""
+        self.assertLess(self.ours(".vtu", "-vtu"), 0.5 * self.ours(".vtk"))
 
     def test_gmsh_to_foam(self):
         """OpenFOAM's own converter makes the same cells of the same file (made three-dimensional by gmsh)."""
