@@ -223,6 +223,15 @@ static void bad_row(void *first_bad, const struct row *row) {
     }
 }
 
+/* What helps against a state that is not admissible. E = rho (eps + u^2/2) has 16 digits. */
+static const char *cure_of(const struct gas *g, const double *U, double T) {
+    if (!(T > 0) && U[0] > 0 && U[(g->components + 1) * g->size] > 0)
+        return "; u^2/2 takes all digits of the energy: lower U, or raise T above 1e-15 u^2";
+    return g->limits.least > 0 ? "; the least density is that of alphaFloor in `limits` of system/fvSolution: raise "
+                                 "the field, or lower alphaFloor"
+                               : "";
+}
+
 status gas_check(const struct gas *g) {
     struct first_bad b = {.g = g};
     status s = OK;
@@ -234,11 +243,7 @@ status gas_check(const struct gas *g) {
         g->engine->state.place(g, b.cell.block, b.cell.at, place);
         s = fail(ERR_STATE,
                  "inadmissible state at (%.8g %.8g %.8g): rho = %.8g (allowed %.8g .. %.8g), T = %.8g (allowed > 0)%s",
-                 place[0], place[1], place[2], U[0], g->limits.least, g->limits.most, T,
-                 g->limits.least > 0
-                     ? "; the least density is that of alphaFloor in `limits` of system/fvSolution: raise the "
-                       "field, or lower alphaFloor"
-                     : "");
+                 place[0], place[1], place[2], U[0], g->limits.least, g->limits.most, T, cure_of(g, U, T));
     }
     return comm_agree(g->comm, s);
 }

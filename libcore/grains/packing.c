@@ -41,13 +41,13 @@ static long field_cells(const struct packing_field *f) {
     return f->mesh ? f->mesh->cells : (long)f->n[0] * f->n[1] * f->n[2];
 }
 
-int packing_number(const struct grain_box *box, double diameter, const struct packing_field *f) {
+double packing_number(const struct grain_box *box, double diameter, const struct packing_field *f) {
     long cells = field_cells(f);
     double sum = 0;
     if (!f->alpha) return 0;
     for (long c = 0; c < cells; c++) sum += f->alpha[c] * (f->mesh ? f->mesh->volume[c] : 1);
     const double filled = f->mesh ? sum : sum / (double)cells * grains_volume(box);
-    return (int)floor(filled / (volume_of(box->dim, diameter) * mean_size(f->kinds, box->dim)) + 0.5);
+    return floor(filled / (volume_of(box->dim, diameter) * mean_size(f->kinds, box->dim)) + 0.5);
 }
 
 /* ---- levels: cells of equal alpha */

@@ -26,8 +26,9 @@ struct packing_report {
     double seconds;  /* CPU time */
 };
 
-/* Returns the number of grains that have the packing fraction integrated over the box, to the nearest whole number. */
-int packing_number(const struct grain_box *box, double diameter, const struct packing_field *f);
+/* Returns the number of grains that have the packing fraction integrated over the box, to the nearest whole number;
+ * it may be too large for an int. */
+double packing_number(const struct grain_box *box, double diameter, const struct packing_field *f);
 
 /* Places x[n] (m) within the box, no two nearer than a diameter, none nearer to a wall than half of one; a seed always
  * gives the same places. Fails with ERR_INPUT if the grains cannot fit (more than close packing: 0.9069 for disks,

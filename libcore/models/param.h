@@ -48,6 +48,10 @@ struct param {
     const char *type, *usual, *example;
 };
 
+/* What a case may hold besides 0: products of a few such numbers are finite, and not 0. */
+#define MOST_NUMBER  1e60
+#define LEAST_NUMBER 1e-60
+
 /* Defaults, ranges and units of rows. */
 #define REQUIRED              NAN
 #define REQUIRED_AS(entry)    NAN, .example = entry

@@ -324,17 +324,7 @@ static status check_type(struct dict *d, const struct field_kind *kind, const st
     return OK;
 }
 
-static status read_parameter(struct dict *d, const struct param *p, double *out) {
-    const bool given = isnan(p->standard) || dict_has(d, p->name);
-    for (int k = 0; !given && k < (p->kind == PARAM_VECTOR ? 3 : 1); k++) out[k] = p->standard;
-    if (!given) return OK;
-    if (p->kind == PARAM_VECTOR) return dict_vector(d, p->name, p->unit, out);
-    TRY(dict_number(d, p->name, p->unit, out));
-    return *out >= p->low && *out <= p->high ? OK
-                                             : dict_fail(d, p->name, "it must lie between %g and %g", p->low, p->high);
-}
-
-static const struct varying_range any_value = {-HUGE_VAL, HUGE_VAL, "be finite"};
+static const struct varying_range any_value = {-MOST_NUMBER, MOST_NUMBER, "lie between -1e60 and 1e60"};
 
 /* Returns where a patch keeps values that follow a rule: one for each face, or one for all, which may be the parameter
  * of a type that has no other values. */
@@ -351,11 +341,13 @@ static status read_given(struct dict *d, const struct field_kind *kind, long nfa
     const char *rule = out->varying ? varying_key(out->varying) : "";
     const struct model *m = &type->model;
     for (int i = 0; i < m->nparam; i++)
-        if (strcmp(rule, m->param[i].name) != 0)
-            TRY(read_parameter(d, &m->param[i], out->params.room + m->param[i].offset / sizeof(double)));
-    return value && type->giving == BY_LIST
-               ? read_value(d, value, kind->components, (struct range){0, nfaces, nfaces}, out->uniform, &out->values)
-               : OK;
+        if (strcmp(rule, m->param[i].name) != 0) TRY(params_read(d, &m->param[i], 1, &out->params));
+    if (!value || type->giving != BY_LIST) return OK;
+    TRY(read_value(d, value, kind->components, (struct range){0, nfaces, nfaces}, out->uniform, &out->values));
+    const double *v = out->values ? out->values : out->uniform;
+    for (long i = 0; i < (out->values ? nfaces : 1) * kind->components; i++)
+        if (!(fabs(v[i]) <= MOST_NUMBER)) return dict_fail(d, value, "it must %s", any_value.allowed);
+    return OK;
 }
 
 /* Reads the parameters and values that a type needs. What follows a rule is known at the time of the place. */
@@ -468,10 +460,18 @@ static status read_patches(struct field *f, const struct field_place *at) {
     return OK;
 }
 
+/* Squares and products of values must be finite. */
+static status check_sizes(const struct field *f, const struct field_place *at) {
+    for (long i = 0, m = f->kind->components; i < field_ncells(at) * m; i++)
+        if (!(fabs(f->values[i]) <= MOST_NUMBER)) return field_fail(f, at, i / m, "it must %s", any_value.allowed);
+    return OK;
+}
+
 static status read_all(struct field *f, const struct field_place *at, field_reader *read, void *context) {
     TRY(check_dimensions(f->dict, f->kind));
     if (read) TRY(read(context, f->dict, &f->plan));
     TRY(read_cells(f, at));
+    TRY(field_agree(at, check_sizes(f, at)));
     TRY(read_patches(f, at));
     return dict_check_used(f->dict);
 }
@@ -607,8 +607,8 @@ static status check_patch(struct field *f, const struct field_place *place, int 
 
 status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure) {
     const double step = cure ? 0 : HUGE_VAL;
-    f->range = (struct varying_range){nextafter(low, low - step), nextafter(high, high + step), ""};
-    snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g" : "lie between %g and %g%s",
+    f->range = (struct varying_range){nextafter(low, low - step), fmin(nextafter(high, high + step), MOST_NUMBER), ""};
+    snprintf(f->range.allowed, sizeof f->range.allowed, isinf(high) ? "be greater than %g and below 1e60" : "lie between %g and %g%s",
              low, high, cure ? cure : "");
     for (long i = 0; i < field_ncells(place); i++)
         if (!(f->values[i] > f->range.low && f->values[i] < f->range.high))

@@ -6,9 +6,15 @@
 #include <math.h>
 #include <string.h>
 
+status param_check_size(const struct dict *d, const char *key, double v) {
+    if (v == 0 || (fabs(v) >= LEAST_NUMBER && fabs(v) <= MOST_NUMBER)) return OK;
+    return dict_fail(d, key, "a number is 0, or between %g and %g, or minus such a number: is its unit right?",
+                     LEAST_NUMBER, MOST_NUMBER);
+}
+
 static status check_range(const struct dict *d, const struct param *p, double v) {
     bool inside = p->open ? v > p->low && v < p->high : v >= p->low && v <= p->high;
-    if (inside) return OK;
+    if (inside) return param_check_size(d, p->name, v);
     if (isinf(p->high) && isfinite(p->low))
         return fail(ERR_INPUT, "%s:%d: %s is %g; it must be %s %g", dict_path(d), dict_line(d, p->name), p->name, v,
                     p->open ? "greater than" : "at least", p->low);

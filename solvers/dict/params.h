@@ -14,6 +14,9 @@ void params_print(FILE *f, const struct param *table, int n); /* prints name, de
 /* Prints names and the values that the struct at base holds. */
 void params_print_values(FILE *f, const struct param *table, int n, const void *base);
 
+/* Fails for a value of a key that is beyond MOST_NUMBER or, but for 0, below LEAST_NUMBER. */
+status param_check_size(const struct dict *d, const char *key, double v);
+
 enum { PARAM_VALUE = 128 };
 /* Writes the value that the struct at base holds. */
 void param_value(char text[PARAM_VALUE], const struct param *p, const void *base);

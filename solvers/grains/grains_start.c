@@ -6,6 +6,7 @@
 #include "solvers/gas/layers.h"
 #include "solvers/output/clouds.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -237,8 +238,14 @@ static status take_cloud(const struct setup *s, struct grains_models *m, const s
 
 static status count_grains(const struct setup *s, const struct grains_models *m, const struct grain_box *box,
                            const struct packing_field *f, int *n) {
-    *n = m->number ? m->number : packing_number(box, m->grain.diameter, f);
+    const double many = m->number ? m->number : packing_number(box, m->grain.diameter, f);
+    *n = many <= INT_MAX ? (int)many : 0;
     if (*n > 0) return OK;
+    if (many > 0)
+        return fail(ERR_INPUT,
+                    "%s/%s: the packing fraction is that of %.3g grains, more than can be computed (%d): "
+                    "is their diameter, %g m, right?",
+                    s->dir, s->start.folder, many, INT_MAX, m->grain.diameter);
     return fail(ERR_INPUT, "%s/%s: the packing fraction is that of less than one grain in the box; give a greater one",
                 s->dir, s->start.folder);
 }

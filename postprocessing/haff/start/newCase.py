@@ -20,6 +20,7 @@ With an inlet the domain is full of the stream; with gravity and a floor a layer
 and cools. Nothing that is there is overwritten: DIR is new, empty, or holds the mesh alone. Exit code: 2 for a wrong command line, 1
 where no case could be made.
 """
+import argparse
 import difflib
 import math
 import os
@@ -37,14 +38,32 @@ from haff.start import flow, geometry, patches, problems, texts
 MOST_CELLS = 20_000_000  # of a box
 
 
+def number(word):
+    """0, or between 1e-30 and 1e30 or minus such a number: what is made of it stays finite. ArgumentTypeError."""
+    try:
+        found = float(word)
+    except ValueError:
+        found = float("nan")
+    if found and not 1e-30 <= abs(found) <= 1e30:
+        raise argparse.ArgumentTypeError(f"{word}: a number from 1e-30 to 1e30")
+    return found
+
+
+def positive(word):
+    found = number(word)
+    if found <= 0:
+        raise argparse.ArgumentTypeError(f"{word}: a number above 0")
+    return found
+
+
 def numbers(text, option, counts, form):
     """So many numbers, with commas between them. ValueError."""
     try:
-        found = [float(word) for word in text.split(",")]
-    except ValueError:
+        found = [number(word) for word in text.split(",")]
+    except argparse.ArgumentTypeError:
         found = []
     if len(found) not in counts:
-        raise ValueError(f"{option} {text}: {form}")
+        raise ValueError(f"{option} {text}: {form}; from 1e-30 to 1e30")
     return found
 
 
@@ -54,7 +73,7 @@ def sizes(text, option, make, form):
         found = [make(word) for word in text.split("x")]
     except ValueError:
         found = []
-    if not 1 <= len(found) <= 3 or not all(0 < x < 1e15 for x in found):
+    if not 1 <= len(found) <= 3 or not all(1e-15 < x < 1e15 for x in found):
         raise ValueError(f"{option} {text}: {form}")
     return found
 
@@ -65,11 +84,11 @@ def parser():
     made.add_argument("mesh", nargs="?", help="mesh.geo or mesh.msh")
     made.add_argument("-application", metavar="NAME", default="granularGas", choices=("granularGas", "granularMD", "granularDEM"), help="granularGas (default), granularMD or granularDEM")
     made.add_argument("-grains", choices=("spheres", "disks"), help="spheres (default; also in a plane) or disks")
-    made.add_argument("-diameter", type=float, metavar="D", help="of a grain (a quarter of a cell)")
-    made.add_argument("-restitution", type=float, metavar="E", help="0 to 1 (0.9; of a stream 0.95); 1: elastic")
-    made.add_argument("-alpha", type=float, metavar="A", help="volume fraction (0.2; of a stream 0.05; in a layer 0.6, of disks 0.8)")
+    made.add_argument("-diameter", type=positive, metavar="D", help="of a grain (a quarter of a cell)")
+    made.add_argument("-restitution", type=number, metavar="E", help="0 to 1 (0.9; of a stream 0.95); 1: elastic")
+    made.add_argument("-alpha", type=number, metavar="A", help="volume fraction (0.2; of a stream 0.05; in a layer 0.6, of disks 0.8)")
     made.add_argument("-speed", metavar="U", help="of the stream, or X,Y,Z (1, into the inlet); without a stream that of the grains")
-    made.add_argument("-Mach", type=float, metavar="M", help="of the stream (3)")
+    made.add_argument("-Mach", type=positive, metavar="M", help="of the stream (3)")
     made.add_argument("-gravity", metavar="G", help="a number, downwards, or X,Y,Z; in a plane X,Y")
     made.add_argument("-shaking", metavar="A,F", help="acceleration of the plate over gravity's (no length), and its frequency (no rad/s)")
     made.add_argument("-transport", action="store_true", help="viscosity and heat conduction; walls then hold the gas")
@@ -79,10 +98,10 @@ def parser():
     made.add_argument("-box", metavar="LxHxD", help="extent of a box, along one to three axes (1x1)")
     made.add_argument("-cells", metavar="NxMxK", help="of a box (100x100)")
     made.add_argument("-round", action="store_true", help="the mesh of (x, y) cells stands for the body of revolution about the x axis")
-    made.add_argument("-chute", type=float, metavar="ANGLE", help="degrees")
-    made.add_argument("-silo", type=float, nargs="?", const=8.0, metavar="WIDTH", help="of the slot, in grain diameters (8)")
-    made.add_argument("-column", type=float, nargs="?", const=1.0, metavar="ASPECT", help="height over width (1)")
-    made.add_argument("-end", type=float, metavar="T", help="time at which the run ends")
+    made.add_argument("-chute", type=number, metavar="ANGLE", help="degrees")
+    made.add_argument("-silo", type=number, nargs="?", const=8.0, metavar="WIDTH", help="of the slot, in grain diameters (8)")
+    made.add_argument("-column", type=number, nargs="?", const=1.0, metavar="ASPECT", help="height over width (1)")
+    made.add_argument("-end", type=positive, metavar="T", help="time at which the run ends")
     return made
 
 

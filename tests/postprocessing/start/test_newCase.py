@@ -472,7 +472,9 @@ class NewCase(harness.Folder, unittest.TestCase):
                  (2, ["-restitutoin", "1"], "did you mean -restitution"), (2, ["-box", "1x1", "-cells", "4"], "2 lengths and 1 numbers"), (2, ["-gravity", "down"], "a number, downwards, or a vector"),
                  (1, ["-box", "1x1x1", "-cells", "4x4x4", "-gravity", "0,-1"], "3 axes are solved; give a number, downwards, or X,Y,Z"),
                  (2, ["-cells", "99999999x99999999"], "1e\\+16 cells are too many for gmsh.*system/blockMeshDict"),
-                 (2, [geo["tube"], "-box", "1"], "where no mesh is given"), (2, ["-speed", "1,2"], "a velocity as 1,0,0"), (2, ["-box", "0x1"], "one to three lengths")]
+                 (2, [geo["tube"], "-box", "1"], "where no mesh is given"), (2, ["-speed", "1,2"], "a velocity as 1,0,0"), (2, ["-box", "0x1"], "one to three lengths"),
+                 (2, ["-diameter", "1e300"], "from 1e-30 to 1e30"), (2, ["-speed", "1e300"], "from 1e-30 to 1e30"), (2, ["-box", "1e-300x1"], "one to three lengths"), (2, ["-end", "0"], "above 0"),
+                 (1, ["-application", "granularMD", "-diameter", "1e-9"], "grains, more than can be computed")]
         for code, words, says in wrong:
             with self.subTest(words):
                 said = self.call("made", *words, code=code)
