@@ -415,9 +415,9 @@ static void drop_friction(struct gas *g, double weight) {
 /* Sets the lines of S that gradients and faces see, in cells from <= i < to: of a swirl its angular velocity. */
 static void seen_lines(const struct gas *g, enum diffusing what, int from, int to, double **line) {
     const struct cells_diffuser *d = g->cells->diffuser;
-    for (int c = 0; c < lines_of(g, what); c++) line[c] = d->sum[d->last][c];
+    for (int c = 0; c < lines_of(g, what); c++) line[c] = d->sum[g->diffusion.last][c];
     if (d->turn && g->models.swirl && what == VISCOUS)
-        line[g->models.swirl] = cells_turn_spin(g, d->turn, d->sum[d->last], from, to);
+        line[g->models.swirl] = cells_turn_spin(g, d->turn, d->sum[g->diffusion.last], from, to);
 }
 
 /* All fluxes of S: first those that need no ghosts, while the ghosts are under way. */
