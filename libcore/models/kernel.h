@@ -25,7 +25,7 @@ enum {
 #if defined(__x86_64__) && !defined(HAFF_NO_CLONES)
 #define KERNEL __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
-#define KERNEL
+#define KERNEL __attribute__((noinline)) /* as clones are */
 #endif
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 #define ALIGNED       _Alignas(64) /* of lines: a vector then lies in one line of the cache */

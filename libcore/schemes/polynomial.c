@@ -123,31 +123,74 @@ struct batch {
     struct moving_frame frame;
     struct bounds bounds[MAX_VAR]; /* in their frames */
 };
-/* Computes the coefficients a of the polynomials of the whole stencils, in the frames of the cells. */
-ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch, const double *const *U,
-                               struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
-    double d[MAX_VAR][LANES], *line[MAX_VAR];
-    struct rest_state rest[MAX_VAR];
-    for (int v = 0; v < m + 2; v++) {
+ALWAYS_INLINE double *change_of(const struct fit *f, int j, int v) { /* of the batch's entry j of `member` */
+    return f->change + ((long)j * f->nvar + v) * LANES;
+}
+
+KERNEL static void find_changes(const struct fit *f, int batch, const double *const *U, struct batch *restrict c) {
+    const int n = f->member.start[batch + 1] - f->member.start[batch];
+    for (int v = 0; v < f->nvar; v++) {
+        const int *cell = f->member.cell + (long)f->member.start[batch] * LANES;
+        struct rest_state rest;
         own_values(f, batch, U[v], c->own[v]);
-        find_rest(f, batch, v, &rest[v]);
-        line[v] = d[v];
-        EACH_LANE c->bounds[v].low[l] = c->bounds[v].high[l] = 0;
-        for (int k = 0; k < ncoef; k++) EACH_LANE a[v][k][l] = 0;
-    }
-    find_frame(m, c->own, &c->frame);
-    for (int j = f->member.start[batch]; j < f->member.start[batch + 1]; j++) {
-        const double *w = f->member.data + (long)j * ncoef * LANES;
-        for (int v = 0; v < m + 2; v++) {
-            differences(f->member.cell + (long)j * LANES, U[v], c->own[v], d[v]);
-            take_rest(f->member.cell + (long)j * LANES, &rest[v], d[v]);
+        find_rest(f, batch, v, &rest);
+        for (int j = 0; j < n; j++, cell += LANES) {
+            differences(cell, U[v], c->own[v], change_of(f, j, v));
+            take_rest(cell, &rest, change_of(f, j, v));
         }
+    }
+}
+
+/* Moves the changes into the frames of the cells, and finds their bounds. */
+ALWAYS_INLINE void move_all(int m, const struct fit *f, int batch, struct batch *restrict c) {
+    double *line[MAX_VAR];
+    for (int v = 0; v < m + 2; v++) EACH_LANE c->bounds[v].low[l] = c->bounds[v].high[l] = 0;
+    for (int j = 0; j < f->member.start[batch + 1] - f->member.start[batch]; j++) {
+        for (int v = 0; v < m + 2; v++) line[v] = change_of(f, j, v);
         boost(m, -1, &c->frame, line);
-        for (int v = 0; v < m + 2; v++) {
-            extend(&c->bounds[v], d[v]);
-            for (int k = 0; k < ncoef; k++) EACH_LANE a[v][k][l] = fma(w[k * LANES + l], d[v][l], a[v][k][l]);
-        }
+        for (int v = 0; v < m + 2; v++) extend(&c->bounds[v], line[v]);
     }
+}
+KERNEL static void move_changes(int m, const struct fit *f, int batch, struct batch *restrict c) {
+    if (m == 1) move_all(1, f, batch, c);
+    if (m == 2) move_all(2, f, batch, c);
+    if (m == 3) move_all(3, f, batch, c);
+}
+
+/* Computes sum[k] = sum_j w[j][k] change[used[j]] of n members, whose changes are `apart`. NEAR lanes at a time: their
+ * sums stay in registers. */
+ALWAYS_INLINE void add_near(int ncoef, int n, const double *restrict w, const int *restrict used,
+                            const double *restrict change, long apart, double *restrict sum) {
+    enum { NEAR = 16 };
+    for (int from = 0; from < LANES; from += NEAR) {
+        double a[MAX_COEFFICIENT * NEAR];
+        for (int i = 0; i < ncoef * NEAR; i++) a[i] = 0;
+        for (int j = 0; j < n; j++)
+            for (int k = 0; k < ncoef; k++)
+                for (int l = 0; l < NEAR; l++)
+                    a[k * NEAR + l] = fma(w[((long)j * ncoef + k) * LANES + from + l],
+                                          change[used[j] * apart + from + l], a[k * NEAR + l]);
+        for (int k = 0; k < ncoef; k++)
+            for (int l = 0; l < NEAR; l++) sum[k * LANES + from + l] = a[k * NEAR + l];
+    }
+}
+KERNEL static void add_changes(int ncoef, int n, const double *w, const int *used, const double *change, long apart,
+                               double *sum) {
+    if (ncoef == 1) add_near(1, n, w, used, change, apart, sum);
+    if (ncoef == 2) add_near(2, n, w, used, change, apart, sum);
+    if (ncoef == 3) add_near(3, n, w, used, change, apart, sum);
+    if (ncoef == 5) add_near(5, n, w, used, change, apart, sum);
+    if (ncoef == 9) add_near(9, n, w, used, change, apart, sum);
+}
+
+/* Computes the coefficients a of the polynomials of the whole stencils, in the frames of the cells. */
+ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch, struct batch *restrict c,
+                               double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+    const int first = f->member.start[batch], n = f->member.start[batch + 1] - first;
+    move_changes(m, f, batch, c);
+    for (int v = 0; v < m + 2; v++)
+        add_changes(ncoef, n, f->member.data + (long)first * ncoef * LANES, f->all, change_of(f, 0, v), f->nvar * LANES,
+                    a[v][0]);
 }
 
 /* The line of a variable's values in entry j of `point`. */
@@ -289,7 +332,9 @@ KERNEL static void limited_changes(int dim, const struct fit *f, int batch, int 
 ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const double *const *U) {
     double a[MAX_VAR][MAX_COEFFICIENT][LANES];
     struct batch c;
-    add_members(m, dim, f, batch, U, &c, a);
+    find_changes(f, batch, U, &c);
+    find_frame(m, c.own, &c.frame);
+    add_members(m, dim, f, batch, &c, a);
     for (int v = 0; v < m + 2; v++) limited_changes(dim, f, batch, v, c.frame.square[v], &c.bounds[v], a[v]);
     finish_cells(m, f, batch, &c, 0);
 }
@@ -325,27 +370,15 @@ KERNEL static void boost_sectors(int m, int each, const struct moving_frame *res
     if (m == 3) boost_all(3, each, frame, g);
 }
 
-/* Computes the gradients g[v][s][k] of the sectors in the frame of the cell. */
-ALWAYS_INLINE void sector_gradients(int dim, int m, const struct fit *f, int batch, int sectors, const double *const *U,
-                                    const struct batch *restrict c, double (*restrict g)[LANES]) {
-    const int each = sectors * dim;
-    double d[LANES];
-    for (int v = 0; v < m + 2; v++) {
-        int j = f->sector.start[batch];
-        struct rest_state rest;
-        find_rest(f, batch, v, &rest);
-        for (int s = 0; s < sectors; s++) {
-            double(*restrict at)[LANES] = g + v * each + s * dim;
-            for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = 0;
-            for (int i = 0; i < f->sector_members[batch]; i++, j++) {
-                const double *w = f->sector.data + (long)j * dim * LANES;
-                differences(f->sector.cell + (long)j * LANES, U[v], c->own[v], d);
-                take_rest(f->sector.cell + (long)j * LANES, &rest, d);
-                for (int k = 0; k < dim; k++) EACH_LANE at[k][l] = fma(w[k * LANES + l], d[l], at[k][l]);
-            }
-        }
-    }
-    boost_sectors(m, each, &c->frame, g);
+/* Computes the gradients [v][s][k] of the sectors in the frame of the cell, from changes that are not in it. */
+static void sector_gradients(int dim, int m, const struct fit *f, int batch, const struct batch *c) {
+    const int first = f->share.start[batch], sectors = f->share.start[batch + 1] - first;
+    double(*g)[LANES] = (double(*)[LANES])f->gradient;
+    for (int s = 0, at = f->sector.start[batch]; s < sectors; at += f->uses[first + s++])
+        for (int v = 0; v < m + 2; v++)
+            add_changes(dim, f->uses[first + s], f->sector.data + (long)at * dim * LANES, f->used + at,
+                        change_of(f, 0, v), f->nvar * LANES, g[(v * sectors + s) * dim]);
+    boost_sectors(m, sectors * dim, &c->frame, g);
 }
 
 /* Adds to I the smoothness of the quadratic a, |gradient|^2 + (1 + 1/12) |second derivatives|^2, over the squared
@@ -455,25 +488,27 @@ KERNEL static void curved_changes(int dim, const struct fit *f, int batch, int v
 }
 
 /* Turns the coefficients a of the quadratics of the whole stencils into those of CWENO3. */
-ALWAYS_INLINE void combine_dim(int dim, int m, struct fit *f, int batch, const double *const *U,
-                               struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
-    const int sectors = f->share.start[batch + 1] - f->share.start[batch];
-    double(*gradient)[LANES] = (double(*)[LANES])f->gradient, (*weight)[LANES] = (double(*)[LANES])f->weight;
-    sector_gradients(dim, m, f, batch, sectors, U, c, gradient);
-    combine(dim, m, f->share.data + (long)f->share.start[batch] * LANES, sectors, &c->frame, gradient, weight, a);
+ALWAYS_INLINE void combine_dim(int dim, int m, struct fit *f, int batch, const struct batch *restrict c,
+                               double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+    const int first = f->share.start[batch], sectors = f->share.start[batch + 1] - first;
+    combine(dim, m, f->share.data + (long)first * LANES, sectors, &c->frame, (double(*)[LANES])f->gradient,
+            (double(*)[LANES])f->weight, a);
 }
-KERNEL static void combine_sectors(int dim, int m, struct fit *f, int batch, const double *const *U,
-                                   struct batch *restrict c, double (*restrict a)[MAX_COEFFICIENT][LANES]) {
-    if (dim == 1) combine_dim(1, m, f, batch, U, c, a);
-    if (dim == 2) combine_dim(2, m, f, batch, U, c, a);
-    if (dim == 3) combine_dim(3, m, f, batch, U, c, a);
+KERNEL static void combine_sectors(int dim, int m, struct fit *f, int batch, const struct batch *restrict c,
+                                   double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+    if (dim == 1) combine_dim(1, m, f, batch, c, a);
+    if (dim == 2) combine_dim(2, m, f, batch, c, a);
+    if (dim == 3) combine_dim(3, m, f, batch, c, a);
 }
 
 ALWAYS_INLINE void cweno3(int dim, int m, struct fit *f, int batch, const double *const *U) {
     double a[MAX_VAR][MAX_COEFFICIENT][LANES];
     struct batch c;
-    add_members(m, dim + quadratics(dim), f, batch, U, &c, a);
-    combine_sectors(dim, m, f, batch, U, &c, a);
+    find_changes(f, batch, U, &c);
+    find_frame(m, c.own, &c.frame);
+    sector_gradients(dim, m, f, batch, &c);
+    add_members(m, dim + quadratics(dim), f, batch, &c, a);
+    combine_sectors(dim, m, f, batch, &c, a);
     for (int v = 0; v < m + 2; v++) curved_changes(dim, f, batch, v, &c.bounds[v], a[v]);
     finish_cells(m, f, batch, &c, OVER);
 }

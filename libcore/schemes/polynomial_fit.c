@@ -178,44 +178,64 @@ static int find_sector(const struct polyhedra *m, int i, int sector, int *member
     return n;
 }
 
-/* Computes the weights of the sectors' gradients, and which sectors count. */
-static void sector_weights(struct fit *f, const bool *unknown, int *member, double *A, double *w, double *W) {
+/* Computes the weights of the sectors' gradients, and which sectors count. place: room for one number a member. */
+static void sector_weights(struct fit *f, const bool *unknown, int *member, int *place, double *A, double *w,
+                           double *W) {
     const struct polyhedra *m = f->polyhedra;
     for (int i = 0; i < m->nnear; i++) {
-        int entries = f->sector_members[i / LANES], counted = 0;
-        for (int s = 0, n; (n = find_sector(m, i, s, member)) >= 0; s++) {
+        const int *uses = f->uses + f->share.start[i / LANES], *used = f->used + f->sector.start[i / LANES];
+        int counted = 0, first = 0;
+        for (int s = 0, n; (n = find_sector(m, i, s, member)) >= 0; first += uses[s++]) {
             member_means(m, i, 1, n, member, A, w);
             leave_out(m, unknown, i, n, member, w);
             if (n < m->dim || least_squares(n, m->dim, A, w, FLAT_SECTOR, W) > 0) continue;
             counted++;
             put(&f->share, i, s, 0, 1);
-            for (int j = 0; j < n; j++) {
-                put_cell(&f->sector, i, s * entries + j, m->stencil[m->stencil_start[i] + member[j]]);
-                for (int k = 0; k < m->dim; k++) put(&f->sector, i, s * entries + j, k, W[(long)k * n + j]);
-            }
+            for (int j = first; j < first + uses[s]; j++) place[used[j]] = j;
+            for (int j = 0; j < n; j++)
+                for (int k = 0; k < m->dim; k++) put(&f->sector, i, place[member[j]], k, W[(long)k * n + j]);
         }
         for (int j = f->share.start[i / LANES]; j < f->share.start[i / LANES + 1]; j++)
             f->share.data[(long)j * LANES + i % LANES] /= CENTRAL + counted;
     }
 }
 
-static status make_sectors(struct fit *f, int *length, int *member) {
+/* Lists in used (NULL: counts) the entries of `member` that a sector of a batch has in any of its cells, upwards.
+ * counted: room for one number a member. Returns how many these are. */
+static int list_used(const struct fit *f, int batch, int sector, int *member, int *counted, int *used) {
+    const struct polyhedra *m = f->polyhedra;
+    const int entries = f->member.start[batch + 1] - f->member.start[batch];
+    int n = 0;
+    for (int j = 0; j < entries; j++) counted[j] = 0;
+    for (int i = batch * LANES; i < smallest(m->nnear, (batch + 1) * LANES); i++)
+        for (int j = find_sector(m, i, sector, member) - 1; j >= 0; j--) counted[member[j]]++;
+    for (int j = 0; j < entries; j++)
+        if (counted[j]) {
+            if (used) used[n] = j;
+            n++;
+        }
+    return n;
+}
+
+static status make_sectors(struct fit *f, int *length, int *member, int *counted) {
     const struct polyhedra *m = f->polyhedra;
     int most = 1;
-    TRY(allocate(&f->sector_members, f->nbatches, sizeof *f->sector_members, "sectors of a fit"));
-    for (int i = 0; i < m->nnear; i++) {
-        int *members = &f->sector_members[i / LANES];
-        length[i] = 0;
-        for (int n; (n = find_sector(m, i, length[i], member)) >= 0; length[i]++)
-            *members = n > *members ? n : *members;
-    }
+    for (int i = 0; i < m->nnear; i++)
+        for (length[i] = 0; find_sector(m, i, length[i], member) >= 0;) length[i]++;
     TRY(entries_make(f, length, 1, false, &f->share));
-    for (int i = 0; i < m->nnear; i++) {
-        int b = i / LANES, sectors = f->share.start[b + 1] - f->share.start[b];
-        length[i] = sectors * f->sector_members[b];
-        most = sectors > most ? sectors : most;
+    TRY(allocate(&f->uses, f->share.start[f->nbatches], sizeof *f->uses, "sectors of a fit"));
+    for (int b = 0; b < f->nbatches; b++) {
+        const int first = f->share.start[b], end = f->share.start[b + 1];
+        int uses = 0;
+        for (int s = first; s < end; s++) uses += f->uses[s] = list_used(f, b, s - first, member, counted, NULL);
+        for (int i = b * LANES; i < smallest(m->nnear, (b + 1) * LANES); i++) length[i] = uses;
+        most = end - first > most ? end - first : most;
     }
-    TRY(entries_make(f, length, m->dim, true, &f->sector));
+    TRY(entries_make(f, length, m->dim, false, &f->sector));
+    TRY(allocate(&f->used, f->sector.start[f->nbatches], sizeof *f->used, "sectors of a fit"));
+    for (int b = 0; b < f->nbatches; b++)
+        for (int s = f->share.start[b], at = f->sector.start[b]; s < f->share.start[b + 1]; s++)
+            at += list_used(f, b, s - f->share.start[b], member, counted, f->used + at);
     TRY(allocate(&f->gradient, (long)f->nvar * most * m->dim * LANES, sizeof *f->gradient, "gradients of sectors"));
     return allocate(&f->weight, (long)most * LANES, sizeof *f->weight, "weights of sectors");
 }
@@ -310,15 +330,18 @@ static status make_weights(struct fit *f, const bool *unknown, int *length) {
     double *work = NULL;
     for (int i = 0; i < m->nnear; i++) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
     TRY(entries_make(f, length, ncoef, true, &f->member));
+    TRY(allocate(&f->change, (long)most * f->nvar * LANES, sizeof *f->change, "values of members"));
+    TRY(allocate(&f->all, most, sizeof *f->all, "values of members"));
+    for (int j = 0; j < most; j++) f->all[j] = j;
     if (f->kind->degree == 1) TRY(make_halfway(f, length));
     if (f->kind->degree == 2) TRY(make_moments(f, length));
-    status s = allocate(&member, most, sizeof *member, "a stencil");
+    status s = allocate(&member, 2L * most, sizeof *member, "a stencil");
     if (!s) s = allocate(&work, (2L * ncoef + 1) * most, sizeof *work, "a least-squares problem");
     if (!s) {
         double *w = work + 2L * ncoef * most, *W = work + (long)ncoef * most;
         member_weights(f, unknown, member, work, w, W);
-        if (f->kind->degree == 2) s = make_sectors(f, length, member);
-        if (f->kind->degree == 2 && !s) sector_weights(f, unknown, member, work, w, W);
+        if (f->kind->degree == 2) s = make_sectors(f, length, member, member + most);
+        if (f->kind->degree == 2 && !s) sector_weights(f, unknown, member, member + most, work, w, W);
     }
     free(member);
     free(work);
@@ -464,7 +487,10 @@ void fit_free(struct fit *f) {
     if (!f) return;
     struct entries *all[] = {&f->member, &f->halfway, &f->sector, &f->share, &f->moment, &f->point};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) entries_free(all[i]);
-    free(f->sector_members);
+    free(f->uses);
+    free(f->used);
+    free(f->all);
+    free(f->change);
     free(f->gradient);
     free(f->weight);
     free(f->value);

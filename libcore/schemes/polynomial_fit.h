@@ -23,11 +23,14 @@ struct fit {
     int nvar, nbatches;     /* nvar = components of u + 2 */
     struct entries member;  /* members of the stencil, with the weights of their values in every coefficient */
     struct entries halfway; /* linear: half the offsets to first-ring members, over h; no cells */
-    struct entries sector;  /* CWENO3: the members of each sector with their weights in its gradient */
-    int *sector_members;    /* [nbatches] entries of each sector */
     struct entries share;   /* CWENO3: linear weight of each sector; 0: the sector is left out */
+    int *uses;              /* CWENO3: [share.start[nbatches]] how many entries of `member` a sector has */
+    struct entries sector;  /* CWENO3: their weights in the gradients of the sectors, sector by sector; no cells */
+    int *used;              /* CWENO3: [sector.start[nbatches]] which these are, of those of the batch */
     struct entries moment;  /* CWENO3: one entry, moments over h^2 */
     struct entries point;   /* face points of the cells, arms over h; no cells */
+    int *all;               /* [most entries] 0, 1, .. */
+    double *change;         /* values of the members of one batch less the cell's own, [entries][nvar][LANES] */
     double *gradient;       /* CWENO3: gradients of the sectors of one batch, [nvar][sectors][dim][LANES] */
     double *weight;         /* CWENO3: nonlinear weights of the sectors of one batch, [sectors][LANES] */
     double *value;          /* [nvar][nvalues], those of a batch from entry slot[batch] on, entry by entry of `point` */

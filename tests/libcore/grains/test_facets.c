@@ -260,7 +260,8 @@ static void resumed(void **state) {
         grains_advance(h, t - 0.17, INT64_MAX, NULL);
         grains_advance(h, t, INT64_MAX, NULL);
         const struct grain_save save = {
-            s->n, t, grains_all(h), grains_events(h), grains_ids(h), grains_counted(h), grains_impulses(h)};
+            s->n,           t, grains_all(h), grains_events(h), grains_ids(h), grains_counted(h), grains_impulses(h),
+            grains_kinds(h)};
         ok(grains_resume(&s->box, &s->law, &save, &next));
         grains_free(h);
         h = next;
@@ -292,8 +293,14 @@ static void outlet(void **state) {
         for (double t = 0.5; t < 60; t += 0.5) {
             grains_advance(g, t, INT64_MAX, NULL);
             grains_advance(h, t, INT64_MAX, NULL);
-            const struct grain_save save = {
-                s->n, t, grains_all(h), grains_events(h), grains_ids(h), grains_counted(h), grains_impulses(h)};
+            const struct grain_save save = {s->n,
+                                            t,
+                                            grains_all(h),
+                                            grains_events(h),
+                                            grains_ids(h),
+                                            grains_counted(h),
+                                            grains_impulses(h),
+                                            grains_kinds(h)};
             ok(grains_resume(&s->box, &s->law, &save, &next));
             grains_free(h);
             h = next;
