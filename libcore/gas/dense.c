@@ -44,6 +44,7 @@ bool gas_may_be_dense(const struct gas_models *m) {
 
 status dense_kept(const struct gas *g) {
     struct dense *d = g->dense;
+    if (d) TRY(comm_agree(g->comm, pool_take(&d->pool, &d->seen, d->sides, sizeof *d->seen, "the bed")));
     if (!d || !d->bed.rub) return OK;
     double sides = d->sides;
     comm_max(g->comm, &sides, 1);

@@ -252,22 +252,6 @@ void dense_seek(struct gas *g, double place[3]) {
 
 /* ---- to and from the bed ---- */
 
-void dense_border(struct gas *g, const struct row *row, const struct sides *s, int i, int f) {
-    struct dense *d = g->dense;
-    struct bed_set *bed = d->bed.home;
-    const struct patch_face patch = s->edge[i] < 0 ? (struct patch_face){-1, 0} : s->patch[i];
-    bed->kind[f] = BED_INNER;
-    if (bed->left[f] >= 0 && bed->right[f] >= 0) return;
-    bed->kind[f] = patch.patch < 0 ? BED_KEPT : patch_is_wall(&g->patches.rules[patch.patch]) ? BED_WALL : BED_OPEN;
-    d->border[d->borders++] = (struct dense_border){.face = f,
-                                                    .block = row->block,
-                                                    .inside = row->at + i,
-                                                    .beyond = s->across[i],
-                                                    .through = s->face[i] < 0 ? ~s->face[i] : s->face[i],
-                                                    .edge = s->edge[i],
-                                                    .patch = patch};
-}
-
 /* Are the cells of the bed others than those that have numbers? */
 KERNEL static bool bed_differs(long n, const double *restrict part, const int *restrict number) {
     int differs = 0;
@@ -284,21 +268,172 @@ static bool is_listed(const struct gas *g) {
     return changed == 0;
 }
 
-status dense_list(struct gas *g, long rows, int sides) {
+struct listing { /* of the bed, in two passes */
+    struct gas *g;
+    bool numbers;           /* the second pass: the rows of cells and their numbers; else blocks, and the counts */
+    int cells, rows, sides; /* counts so far */
+};
+
+/* Counts n cells of the bed that lie one behind the other, or lists them. */
+static void list_run(struct listing *l, int block, long at, int n) {
+    struct gas *g = l->g;
     struct dense *d = g->dense;
-    status s = ARRAYS_GROW(&d->arrays, d->row, rows);
-    if (!s) s = ARRAYS_GROW(&d->arrays, d->border, sides);
+    const struct row run = {block, at, n};
+    struct sides s;
+    const int first = l->cells;
+    l->cells += n;
+    if (l->numbers) {
+        d->row[l->rows++] = run;
+        for (int i = 0; i < n; i++) d->number[block][at + i] = d->bed.home->low + first + i + 1;
+        return;
+    }
+    l->rows++;
+    for (int k = 0; g->engine->state.sides(g, &run, k, &s); k++)
+        for (int i = 0; i < n; i++) l->sides += s.face[i] != NO_SIDE;
+}
+
+static void list_block(void *listing, int number, int place, const struct row *row) {
+    struct listing *l = listing;
+    struct dense *d = l->g->dense;
+    struct bed_set *bed = d->bed.home;
+    const double *part = d->part[row->block] + row->at;
+    if (!l->numbers && (bed->blocks == 0 || bed->number[bed->blocks - 1] != number)) {
+        d->place[bed->blocks] = place;
+        bed->number[bed->blocks++] = number;
+    }
+    for (int i = 0, end; i < row->n; i = end + 1) {
+        for (end = i; end < row->n && part[end] > 0; end++) continue;
+        if (end > i) list_run(l, row->block, row->at + i, end - i);
+    }
+    if (!l->numbers) bed->first[bed->blocks] = l->cells;
+}
+
+/* Makes memory for rows, sides and fluxes of a new list, and forgets the numbers of cells. What needs other ranks comes
+ * first: a rank with more of the bed has more to list, and less to do in the stages. */
+static status begin_list(struct gas *g) {
+    struct dense *d = g->dense;
+    struct listing l = {.g = g};
+    d->bed.home->blocks = d->bed.home->first[0] = 0;
+    g->engine->bed.blocks(g, list_block, &l);
+    status s = ARRAYS_GROW(&d->arrays, d->row, l.rows);
+    if (!s) s = ARRAYS_GROW(&d->arrays, d->border, l.sides);
     for (int b = 0; b < d->blocks && !s; b++)
         if (d->holds[b] && !d->flux[b])
             s = pool_take(&d->pool, &d->flux[b], g->nvar * g->blocks.faces + SLACK, sizeof(double), "the bed");
     TRY(comm_agree(g->comm, s));
-    TRY(bed_list(&d->bed, sides));
-    for (int b = 0; b < g->dense->blocks; b++) memset(d->number[b], 0, (size_t)g->size * sizeof **d->number);
+    TRY(bed_list(&d->bed, l.sides));
+    for (int b = 0; b < d->blocks; b++) memset(d->number[b], 0, (size_t)g->size * sizeof **d->number);
     double outside = d->bed.home->cells < d->own;
     comm_max(g->comm, &outside, 1);
     d->alone = outside == 0;
-    d->rows = d->borders = d->bed.home->faces = 0;
+    d->borders = d->bed.home->faces = 0;
     d->relisted = true;
+    return OK;
+}
+
+/* The shapes of cells and faces (struct bed_shapes): on polyhedra each has its own, on a lattice they follow from the
+ * place along the radius and the axis. */
+static int shape_of_cell(const struct gas *g, int block, long at) {
+    if (!g->forest) return (int)at;
+    return g->forest->radial < 0 ? 0 : forest_place_along(g->forest, block, at, g->forest->radial);
+}
+static int shape_of_face(const struct gas *g, int block, int face) {
+    const struct forest *f = g->forest;
+    if (!f) return face;
+    const int axis = (int)(face / f->size);
+    return f->radial < 0 ? axis : axis + f->dim * forest_place_along(f, block, face % f->size, f->radial);
+}
+
+/* Sets what the lists say of single cells. */
+static void list_cells(struct gas *g) {
+    const struct dense *d = g->dense;
+    const struct bed_set *bed = d->bed.home;
+    struct sides s;
+    bed->face_start[0] = 0;
+    for (int r = 0, cell = 0; r < d->rows; cell += d->row[r++].n) {
+        const struct row *row = &d->row[r];
+        for (int i = 0; i < row->n; i++) {
+            bed->body[cell + i] = shape_of_cell(g, row->block, row->at + i);
+            bed->face_start[cell + i + 1] = 0;
+        }
+        for (int k = 0; g->engine->state.sides(g, row, k, &s); k++)
+            for (int i = 0; i < row->n; i++) bed->face_start[cell + i + 1] += s.face[i] != NO_SIDE;
+        for (int i = 0; i < row->n; i++) bed->face_start[cell + i + 1] += bed->face_start[cell + i];
+    }
+}
+
+/* Notes a face of the bed, that of lane i of a row, as a border if a side of it is none of the bed; sets its kind. */
+static void note_border(struct gas *g, const struct row *row, const struct sides *s, int i, int f) {
+    struct dense *d = g->dense;
+    struct bed_set *bed = d->bed.home;
+    const struct patch_face patch = s->edge[i] < 0 ? (struct patch_face){-1, 0} : s->patch[i];
+    bed->kind[f] = BED_INNER;
+    if (bed->left[f] >= 0 && bed->right[f] >= 0) return;
+    bed->kind[f] = patch.patch < 0 ? BED_KEPT : patch_is_wall(&g->patches.rules[patch.patch]) ? BED_WALL : BED_OPEN;
+    d->border[d->borders++] = (struct dense_border){.face = f,
+                                                    .block = row->block,
+                                                    .inside = row->at + i,
+                                                    .beyond = s->across[i],
+                                                    .through = s->face[i] < 0 ? ~s->face[i] : s->face[i],
+                                                    .edge = s->edge[i],
+                                                    .patch = patch};
+}
+
+/* Lists the k-th face of a cell, lane i of a row, unless it has been listed as a face of the cell across: on a lattice
+ * the cell below a face lists it, else the first of both. */
+static void list_side(struct gas *g, const struct row *row, const struct sides *s, int i, int cell, int k) {
+    struct bed_set *bed = g->dense->bed.home;
+    const bool right = s->face[i] < 0, boxes = bed->shapes->boxes;
+    const int other = g->dense->number[row->block][s->across[i]] - 1, shape = right ? ~s->face[i] : s->face[i];
+    const bool own = other >= bed->low && other < bed->low + bed->cells;
+    int *entry = bed->face_of_cell + bed->face_start[cell] + k;
+    int *across = own ? bed->face_of_cell + bed->face_start[other - bed->low] : NULL;
+    if (own && boxes && right) return;
+    if (own && !boxes && other - bed->low <= cell) {
+        const int *end = other - bed->low < cell ? bed->face_of_cell + bed->face_start[other - bed->low + 1] : entry;
+        for (; across < end && bed->shape[*across < 0 ? ~*across : *across] != shape; across++) continue;
+        if (across < end) *entry = ~*across;
+        if (across < end) return;
+    }
+    const int f = bed->faces++;
+    bed->left[f] = right ? other : bed->low + cell;
+    bed->right[f] = right ? bed->low + cell : other;
+    bed->shape[f] = shape_of_face(g, row->block, shape);
+    *entry = right ? ~f : f;
+    if (own && boxes) across[k - 1] = ~f;
+    note_border(g, row, s, i, f);
+}
+
+/* On a lattice axis by axis, the face above a cell first, so that cells one behind the other have faces so; else cell
+ * by cell. */
+static void list_faces(struct gas *g) {
+    struct dense *d = g->dense;
+    const bool boxes = d->bed.home->shapes->boxes;
+    const int each = boxes ? 2 : d->sides;
+    for (int axis = 0; axis < (boxes ? g->dim : 1); axis++)
+        for (int r = 0, cell = 0; r < d->rows; cell += d->row[r++].n) {
+            int k[2] = {2 * axis + 1, 2 * axis}, n = 0;
+            while (n < each && g->engine->state.sides(g, &d->row[r], boxes ? k[n] : n, &d->seen[n])) n++;
+            for (int i = 0; i < d->row[r].n; i++)
+                for (int j = 0; j < n; j++)
+                    if (d->seen[j].face[i] != NO_SIDE)
+                        list_side(g, &d->row[r], &d->seen[j], i, cell + i, boxes ? k[j] : j);
+        }
+}
+
+/* Lists the bed. Collective. */
+static status list_bed(struct gas *g) {
+    struct dense *d = g->dense;
+    struct listing l = {.g = g, .numbers = true};
+    TRY(begin_list(g));
+    g->engine->bed.blocks(g, list_block, &l);
+    d->rows = l.rows;
+    if (g->forest)
+        forest_fill_int(g->forest, d->number);
+    else
+        polyhedra_fill_int(g->blocks.grid->polyhedra, d->number[0]);
+    list_cells(g);
+    list_faces(g);
     return OK;
 }
 
@@ -393,7 +528,7 @@ static void take_beyond(struct gas *g, const struct state *from) {
 }
 
 status dense_listed(struct gas *g) {
-    return is_listed(g) ? OK : g->engine->bed.list(g);
+    return is_listed(g) ? OK : list_bed(g);
 }
 
 status dense_begin(struct gas *g, const struct state *from) {

@@ -162,10 +162,12 @@ struct diffusion_hooks {
  * as they are, so that they see no fast sound; they do advance the two rings, for the sake of the fluxes between the
  * bed and the other cells alone. */
 enum bed_part { BED_OUTER = 1, BED_LIVE, BED_FROZEN, BED_DENSE, BED_HARD };
+/* number: of the block over all ranks; place: where in g->floors.raised its sums go. */
+typedef void bed_block_visitor(void *context, int number, int place, const struct row *row);
 /* The implicit acoustics of dense cells. A bed is libcore/acoustics/bed.h's, g->dense has it. */
 struct bed_hooks {
-    /* Lists the bed's cells and faces: g->dense->bed.home, row, border, number and place. Collective. */
-    status (*list)(struct gas *g);
+    /* Visits the rows of all cells of the blocks that ranks are dealt, block by block, where g->dense->holds is set. */
+    void (*blocks)(const struct gas *g, bed_block_visitor *visit, void *context);
     /* Takes the numbers that balance a state at rest, `from` filled. NULL: there are none. */
     void (*balance)(struct gas *g, const struct state *from);
 };

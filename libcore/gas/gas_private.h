@@ -53,6 +53,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
      * stress on each of its sides (struct bed_set); NULL without friction */
     double **kept;
     int sides;                  /* most of a cell */
+    struct sides *seen;         /* [sides] scratch */
     bool rubs;                  /* is there packed gas, on which friction acts? */
     bool relisted;              /* does `kept` hold cells that are no longer in the bed? */
     double inertia;             /* of the dense cells in the last plan */
@@ -294,11 +295,6 @@ bool dense_include(struct gas *g, double rate);
 struct bed_rates dense_rates(struct gas *g, double plain);
 /* Finds the first cell that has the rate which forbids an implicit step, d->bound.rate. Collective. */
 void dense_seek(struct gas *g, double place[3]);
-/* Begins a new list, after the engine has listed the blocks of bed.home: makes memory for that number of rows of cells
- * with that number of sides, and for their fluxes, and forgets the numbers of cells. Collective. */
-status dense_list(struct gas *g, long rows, int sides);
-/* Notes face f of the bed, that of lane i of a row, as a border if a side of it is none of the bed; sets its kind. */
-void dense_border(struct gas *g, const struct row *row, const struct sides *s, int i, int f);
 /* Copy the states of the bed's cells from a state, or to it; dense_put returns the number of those not admissible. */
 void dense_take(struct gas *g, const struct state *from);
 long dense_put(struct gas *g, const struct state *to);

@@ -291,7 +291,7 @@ const struct engine engine_lattice = {
                   .cross = tiles_diffusion_cross,
                   .spread = tiles_diffusion_spread,
                   .weight = tiles_implicit_weight},
-    .bed = {.list = tiles_bed_list},
+    .bed = {.blocks = tiles_bed_blocks},
     .carried = {.rise = tiles_carried_rise,
                 .terms = tiles_carried_terms,
                 .most_out = tiles_carried_most_out,

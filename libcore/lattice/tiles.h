@@ -250,7 +250,7 @@ void seams_end(struct gas *g, int tile);
 
 /* The bed of implicit acoustics (libcore/lattice/tiles_bed.c). */
 status tiles_bed_make(struct gas *g);
-status tiles_bed_list(struct gas *g);
+void tiles_bed_blocks(const struct gas *g, bed_block_visitor *visit, void *context);
 /* Has the step in hand a bed with cells in the tile? */
 bool tiles_hold_bed(const struct gas *g, int tile);
 /* The span of a row of such a tile, `row` being the offset of its first cell, outside of which its n cells are

@@ -100,107 +100,24 @@ static int block_number(const struct forest *f, int tile, int block) {
     return f->tile[tile].id * room + block;
 }
 
-struct listing { /* lists the cells of a tile: how many there are; or, if `bed` is set, their rows and numbers */
+struct dealing { /* hands the rows of a tile to a visitor */
     const struct gas *g;
-    struct dense *bed;
-    int tile, rows, cells, *block_end; /* block_end: the cells up to the end of each block of the tile */
+    int tile;
+    bed_block_visitor *visit;
+    void *context;
 };
 
-static void list_visit(void *listing, long offset, int n) {
-    struct listing *l = listing;
-    const struct forest *f = l->g->forest;
-    const double *part = l->g->dense->part[l->tile] + offset;
-    const long row = l->g->dim > 1 ? (offset - f->first) / f->stride[l->g->dim - 1] : 0;
-    for (int i = 0, end; i < n; i = end + 1) {
-        for (end = i; end < n && part[end] > 0; end++)
-            if (l->bed) l->bed->number[l->tile][offset + end] = l->bed->bed.home->low + ++l->cells;
-        if (end == i) continue;
-        if (l->bed)
-            l->bed->row[l->rows] = (struct row){l->tile, offset + i, end - i};
-        else
-            l->cells += end - i;
-        l->rows++;
-    }
-    if (l->block_end) l->block_end[row / BLOCK_ROWS] = l->cells;
+static void deal_visit(void *dealing, long offset, int n) {
+    const struct dealing *d = dealing;
+    const struct forest *f = d->g->forest;
+    const long row = d->g->dim > 1 ? (offset - f->first) / f->stride[d->g->dim - 1] : 0;
+    d->visit(d->context, block_number(f, d->tile, (int)row / BLOCK_ROWS), d->tile, &(struct row){d->tile, offset, n});
 }
 
-/* Lists the blocks, or the cells in them. */
-static struct listing list_cells(struct gas *g, bool blocks) {
-    const struct forest *f = g->forest;
-    struct bed_set *bed = g->dense->bed.home;
-    struct listing l = {.g = g, .bed = blocks ? NULL : g->dense};
-    if (blocks) bed->blocks = bed->first[0] = 0;
-    for (l.tile = 0; l.tile < f->ntiles; l.tile++) {
-        if (!g->dense->holds[l.tile]) continue;
-        l.block_end = blocks ? bed->first + bed->blocks + 1 : NULL;
-        runs_visit(f, &f->tile[l.tile], 0, list_visit, &l);
-        for (int i = 0; blocks && i < blocks_of_tile(g, l.tile); i++)
-            g->dense->place[bed->blocks] = l.tile, bed->number[bed->blocks++] = block_number(f, l.tile, i);
-    }
-    return l;
-}
-
-/* Returns the shape of a face of the cell at `at` of a tile. */
-static int face_shape(const struct gas *g, int tile, long at, int axis, bool above) {
-    const int radial = g->forest->radial;
-    if (radial < 0) return axis;
-    return axis + g->dim * (forest_place_along(g->forest, tile, at, radial) + (axis == radial && above));
-}
-
-/* Adds the face of cell i of the bed, lane j of `s`, to what has the number `other`. */
-static void add_face(struct gas *g, const struct row *row, const struct sides *s, int j, int i, int side, int other) {
-    struct bed_set *bed = g->dense->bed.home;
-    const bool above = side % 2;
-    const int f = bed->faces++;
-    bed->left[f] = above ? bed->low + i : other;
-    bed->right[f] = above ? other : bed->low + i;
-    bed->shape[f] = face_shape(g, row->block, row->at + j, side / 2, above);
-    bed->face_of_cell[2 * g->dim * i + side] = above ? f : ~f;
-    if (other >= bed->low && other < bed->low + bed->cells)
-        bed->face_of_cell[2 * g->dim * (other - bed->low) + side - 1] = ~f;
-    dense_border(g, row, s, j, f);
-}
-
-/* Makes the face above each cell, and that below where no cell of this rank makes it. */
-static void list_faces(struct gas *g) {
-    const struct dense *d = g->dense;
-    const struct bed_set *bed = d->bed.home;
-    struct sides low, high;
-    for (int k = 0; k < g->dim; k++)
-        for (int r = 0, i = 0; r < d->rows; r++) {
-            const int *number = d->number[d->row[r].block];
-            (void)g->engine->state.sides(g, &d->row[r], 2 * k, &low);
-            (void)g->engine->state.sides(g, &d->row[r], 2 * k + 1, &high);
-            for (int j = 0; j < d->row[r].n; j++, i++) {
-                const int below = number[low.across[j]] - 1;
-                add_face(g, &d->row[r], &high, j, i, 2 * k + 1, number[high.across[j]] - 1);
-                if (below < bed->low || below >= bed->low + bed->cells)
-                    add_face(g, &d->row[r], &low, j, i, 2 * k, below);
-            }
-        }
-}
-
-/* Sets the shapes of this rank's cells, which on several ranks stand behind cells of others. */
-static void find_bodies(struct gas *g) {
-    const struct dense *d = g->dense;
-    for (int r = 0, i = 0; r < d->rows; r++)
-        for (int j = 0; j < d->row[r].n; j++)
-            d->bed.home->body[i++] =
-                forest_place_along(g->forest, d->row[r].block, d->row[r].at + j, g->forest->radial);
-}
-
-/* What needs other ranks comes first: a rank with more of the bed has more to list, and less to do in the stages. */
-status tiles_bed_list(struct gas *g) {
-    struct bed_set *bed = g->dense->bed.home;
-    const struct listing l = list_cells(g, true);
-    TRY(dense_list(g, l.rows, 2 * g->dim * l.cells));
-    g->dense->rows = list_cells(g, false).rows;
-    forest_fill_int(g->forest, g->dense->number);
-    list_faces(g);
-    for (int i = 0; i <= bed->cells; i++) bed->face_start[i] = 2 * g->dim * i;
-    memset(bed->body, 0, (size_t)bed->cells * sizeof *bed->body);
-    if (bed->shapes->round) find_bodies(g);
-    return OK;
+void tiles_bed_blocks(const struct gas *g, bed_block_visitor *visit, void *context) {
+    struct dealing d = {g, 0, visit, context};
+    for (d.tile = 0; d.tile < g->forest->ntiles; d.tile++)
+        if (g->dense->holds[d.tile]) runs_visit(g->forest, &g->forest->tile[d.tile], 0, deal_visit, &d);
 }
 
 /* ---- in the stages ---- */

@@ -50,7 +50,6 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_shear_rate *shear_rate; /* libcore/polyhedral/cells_shear_rate.c; NULL: no law asks for it */
     struct cells_carried *carried;       /* libcore/polyhedral/cells_carried.c; NULL: the gas carries nothing */
     struct cells_round *round;           /* libcore/polyhedral/cells_round.c; NULL: the mesh is not round */
-    struct cells_bed *bed;               /* libcore/polyhedral/cells_bed.c; NULL: acoustics are explicit */
 };
 
 struct cells_primitives { /* of a batch of cells */
@@ -205,7 +204,7 @@ bool cells_fronts_floor(const struct gas *g, int n, const int *face, double *flo
 /* ---- implicit acoustics (libcore/polyhedral/cells_bed.c): the hooks of libcore/gas/engine.h ---- */
 
 status cells_bed_make(struct gas *g);
-status cells_bed_list(struct gas *g);
+void cells_bed_blocks(const struct gas *g, bed_block_visitor *visit, void *context);
 void cells_bed_balance(struct gas *g, const struct state *from);
 
 /* Carried quantities (libcore/polyhedral/cells_carried.c): the hooks of libcore/gas/carried.h; cells_carry notes the

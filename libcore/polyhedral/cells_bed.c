@@ -12,7 +12,6 @@ static const double SKEWEST = 0.05;
 struct cells_bed {
     struct bed_shapes shapes; /* of the mesh: each face and each cell has a shape of its own */
     struct bed_round round;
-    int *face; /* [faces] the bed's face; -1: none */
 };
 
 /* A mirror's centre is the cell's, reflected in the plane of the face. */
@@ -87,99 +86,27 @@ status cells_bed_make(struct gas *g) {
     g->dense->own = m->nown;
     TRY(bed_make(&g->dense->bed, m->nblocks));
     TRY(pool_take(&g->dense->pool, &b, 1, sizeof *b, "the bed"));
-    g->cells->bed = b;
     for (int i = 0; i < m->nown; i++) {
         const int sides = m->face_start[i + 1] - m->face_start[i];
         g->dense->sides = sides > g->dense->sides ? sides : g->dense->sides;
     }
-    TRY(pool_take(&g->dense->pool, &b->face, m->face.n, sizeof(int), "the bed"));
     TRY(pool_take(&g->dense->pool, &g->dense->place, m->nblocks, sizeof(int), "the bed"));
-    for (int i = 0; i < m->nblocks; i++) g->dense->place[i] = m->block_cell[m->block_start[i]];
     g->dense->flux[0] = g->cells->flux[0];
     return make_shapes(g, b);
 }
 
 /* ---- the lists ---- */
 
-/* Lists the blocks; returns how many sides their cells have. */
-static int list_blocks(struct gas *g) {
+/* Rows hold cells of a block that lie one behind the other. */
+void cells_bed_blocks(const struct gas *g, bed_block_visitor *visit, void *context) {
     const struct polyhedra *m = g->cells->polyhedra;
-    struct bed_set *bed = g->dense->bed.home;
-    int n = 0, sides = 0;
-    for (int block = 0; block < m->nblocks; block++) {
-        bed->first[block] = n;
-        bed->number[block] = m->block_id[block];
-        for (int j = m->block_start[block]; j < m->block_start[block + 1]; j++) {
-            const int cell = m->block_cell[j];
-            if (!(g->dense->part[0][cell] > 0)) continue;
-            sides += m->face_start[cell + 1] - m->face_start[cell];
-            n++;
+    for (int b = 0; b < m->nblocks; b++) {
+        const int *cell = m->block_cell + m->block_start[b], n = m->block_start[b + 1] - m->block_start[b];
+        for (int i = 0, end; i < n; i = end) {
+            for (end = i + 1; end < n && end - i < BATCH && cell[end] == cell[end - 1] + 1; end++) continue;
+            visit(context, m->block_id[b], cell[0], &(struct row){0, cell[i], end - i});
         }
     }
-    bed->blocks = m->nblocks;
-    bed->first[bed->blocks] = n;
-    return sides;
-}
-
-/* Numbers the cells block by block, and lists them as rows. */
-static void list_cells(struct gas *g) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    struct dense *d = g->dense;
-    struct row *row = NULL;
-    int n = 0;
-    for (int j = 0; j < m->nown; j++) {
-        const int cell = m->block_cell[j];
-        if (!(d->part[0][cell] > 0)) continue;
-        d->bed.home->body[n] = cell;
-        d->number[0][cell] = d->bed.home->low + ++n;
-        if (row && row->n < BATCH && cell == row->at + row->n) {
-            row->n++;
-        } else {
-            row = &d->row[d->rows++];
-            *row = (struct row){0, cell, 1};
-        }
-    }
-}
-
-/* Returns the bed's face for the k-th face of a cell, which is made. */
-static int list_face(struct gas *g, int cell, int k, int face) {
-    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const struct row row = {0, cell, 1};
-    struct bed_set *bed = g->dense->bed.home;
-    struct sides s;
-    if (g->cells->bed->face[face] >= 0) return g->cells->bed->face[face];
-    const int at = g->cells->bed->face[face] = bed->faces++;
-    (void)g->engine->state.sides(g, &row, k, &s);
-    bed->shape[at] = face;
-    bed->left[at] = g->dense->number[0][f->left[face]] - 1;
-    bed->right[at] = g->dense->number[0][f->right[face]] - 1;
-    dense_border(g, &row, &s, 0, at);
-    return at;
-}
-
-static void list_faces(struct gas *g) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    struct bed_set *bed = g->dense->bed.home;
-    int entry = 0;
-    for (int i = 0; i < m->face.n; i++) g->cells->bed->face[i] = -1;
-    for (int i = 0; i < bed->cells; i++) {
-        const int cell = bed->body[i], *face = m->face_of_cell + m->face_start[cell];
-        bed->face_start[i] = entry;
-        for (int k = 0; k < m->face_start[cell + 1] - m->face_start[cell]; k++)
-            bed->face_of_cell[entry++] =
-                face[k] < 0 ? ~list_face(g, cell, k, ~face[k]) : list_face(g, cell, k, face[k]);
-    }
-    bed->face_start[bed->cells] = entry;
-}
-
-status cells_bed_list(struct gas *g) {
-    const int sides = list_blocks(g);
-    const struct bed_set *bed = g->dense->bed.home;
-    TRY(dense_list(g, bed->first[bed->blocks], sides));
-    list_cells(g);
-    polyhedra_fill_int(g->cells->polyhedra, g->dense->number[0]);
-    list_faces(g);
-    return OK;
 }
 
 /* A state at rest has the pressures of the explicit scheme on its faces. */
