@@ -116,6 +116,13 @@ status cells_sweep_make(const struct polyhedra *m, struct fit *fit, struct cells
 void cells_sweep_free(struct cells_sweep *s);
 status cells_sides_make(const struct polyhedra *m, struct cells_sides *s);
 void cells_sides_free(struct cells_sides *s);
+/* Makes of the weight[face_start[nown]] of the entries of face_of_cell those of the faces of chunks; the caller frees.
+ */
+status cells_sides_weights(const struct cells *c, const double *weight, double (**out)[BATCH]);
+/* out[BATCH] <- the sums over the faces, in their order, of the cells of the chunk that begins at `from`, of weight
+ * times left[faces + 1] where the cell is on the left of the face, elsewhere right[faces + 1]. */
+void cells_sides_sum(const struct cells *c, int from, const double (*weight)[BATCH], const double *left,
+                     const double *right, double *out);
 
 /* ---- weight on walls (libcore/polyhedral/cells_weight.c) ---- */
 
@@ -171,10 +178,10 @@ void cells_round_push(const struct gas *g, int at, int n, const double *U, const
  * and the pressure that it makes, that alone where walls hold the gas; beyond the axis the swirl changes its sign. */
 void cells_round_beyond(const struct gas *g, int from, int n, bool held, double *const U[MAX_VAR]);
 /* With a swirl: the lever of each face, m; the weights of the points in the flux of rho u_s through a face; and what
- * that flux[faces], as all through the whole face, changes of rho u_s in cell i. */
+ * flux[faces + 1], through the whole face as all are, changes of rho u_s in the n cells of a chunk. */
 const double *cells_round_levers(const struct gas *g);
 const double *cells_round_weights(const struct gas *g);
-double cells_round_torque(const struct gas *g, int i, const double *flux);
+void cells_round_torque(const struct gas *g, int at, int n, const double *flux, double *residual);
 
 /* ---- rules of single faces (libcore/polyhedral/cells_rules.c) ---- */
 

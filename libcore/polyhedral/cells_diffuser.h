@@ -27,17 +27,17 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
 /* Bodies of revolution (libcore/polyhedral/cells_turn.c). */
 status cells_turn_make(const struct gas *g, struct cells_turn **out);
 void cells_turn_free(struct cells_turn *t);
-/* Sets u_r/r on n faces from `at` on, by S, and where the stress around the axis on them goes. */
-void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, double *const *S, const double **around,
+/* Sets what faces and gradients see of S in cells from <= i < to, mirrors included: u_r/r and, in place of the line of
+ * a swirl, its angular velocity. S holds the swirl, of a mirror that at its face. */
+void cells_turn_see(const struct gas *g, const struct cells_turn *t, int from, int to, double **S);
+/* Sets u_r/r on n faces from `at` on, and where the stress around the axis on them goes; u: the line of u_r. */
+void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, const double *u, const double **around,
                       double **hoop);
 /* Adds the force of the stress around the axis to line v of the residuals of n cells, if it is that of the radius.
  * Makes of line v the change by torques, if it is that of the swirl. */
 void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int at, int n, double *M);
 /* The sum over the faces of cell i that bounds its rate, which is `plane` without that stress. */
 double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i, double plane);
-/* Sets and returns the line of angular velocities of the swirl, 1/s, in cells from <= i < to, mirrors included. S holds
- * the swirl, of a mirror that at its face. */
-double *cells_turn_spin(const struct gas *g, const struct cells_turn *t, double *const *S, int from, int to);
 /* How many times as fast the swirl of a rigid rotation is at the face of a mirror as in the cell before it. */
 double cells_turn_out(const struct gas *g, const struct cells_turn *t, int mirror);
 

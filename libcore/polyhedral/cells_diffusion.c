@@ -249,8 +249,7 @@ struct face_batch { /* a batch of faces, and the cells on both sides */
         *keep; /* keep: 0 on faces that leave out the gradients, else 1; NULL: all take them */
     const double *normal[MAX_DIM], *oblique[MAX_DIM];
     const double *face[3];
-    int components;       /* of bodies of revolution, as all behind: components of u */
-    const double *around; /* u_r/r on the faces */
+    const double *around; /* of bodies of revolution, as all behind: u_r/r on the faces */
     double *hoop;         /* stress around the axis, times the area */
     int swirl;            /* component whose lines hold u_s/r; 0: none */
     const double *lever;
@@ -351,23 +350,26 @@ FACES(1, 3)
 FACES(2, 2)
 FACES(2, 3)
 FACES(3, 3)
-#define ROUND_FACES(dim)                                                                                               \
-    KERNEL static void round_faces_##dim(enum diffusing what, const struct face_batch *f, double *const *S,            \
-                                         double *const *gradient, double *const *out) {                                \
+#define ROUND_FACES(dim, m)                                                                                            \
+    KERNEL static void round_faces_##dim##_##m(enum diffusing what, const struct face_batch *f, double *const *S,      \
+                                               double *const *gradient, double *const *out) {                          \
         if (what == VISCOUS)                                                                                           \
-            viscous_faces(dim, f->components, true, f, S, gradient, out);                                              \
+            viscous_faces(dim, m, true, f, S, gradient, out);                                                          \
         else                                                                                                           \
             heat_faces(dim, f, S[0], dim > 1 ? gradient : NULL, out[0]);                                               \
     }
-ROUND_FACES(1)
-ROUND_FACES(2)
+ROUND_FACES(1, 1)
+ROUND_FACES(1, 2)
+ROUND_FACES(1, 3)
+ROUND_FACES(2, 2)
+ROUND_FACES(2, 3)
 
 typedef void faces_function(enum diffusing what, const struct face_batch *f, double *const *S, double *const *gradient,
                             double *const *out);
-/* By the dimension and the components of u beyond it; of bodies of revolution by the dimension. */
-static faces_function *const faces_of[3][3] = {
-    {faces_1_1, faces_1_2, faces_1_3}, {faces_2_2, faces_2_3, NULL}, {faces_3_3, NULL, NULL}};
-static faces_function *const round_faces_of[2] = {round_faces_1, round_faces_2};
+/* By whether the mesh is round, by the dimension, and by the components of u beyond it. */
+static faces_function *const faces_of[2][3][3] = {
+    {{faces_1_1, faces_1_2, faces_1_3}, {faces_2_2, faces_2_3, NULL}, {faces_3_3, NULL, NULL}},
+    {{round_faces_1_1, round_faces_1_2, round_faces_1_3}, {round_faces_2_2, round_faces_2_3, NULL}}};
 
 /* Fluxes through faces first <= i < last, into the lines c->flux from 0 on: momentum, then work; or heat. */
 static void find_fluxes(struct gas *g, enum diffusing what, double *const *S, int first, int last) {
@@ -394,11 +396,11 @@ static void find_fluxes(struct gas *g, enum diffusing what, double *const *S, in
                       : heat ? d->keep[at + i]
                              : 1;
         if (flagged || heat) f.keep = keep;
-        f.components = g->components;
         f.swirl = g->models.swirl;
         if (f.swirl) f.lever = cells_round_levers(g) + at;
-        if (d->turn && what == VISCOUS) cells_turn_faces(g, d->turn, at, f.n, S, &f.around, &f.hoop);
-        (d->turn ? round_faces_of[g->dim - 1] : faces_of[g->dim - 1][g->components - g->dim])(
+        if (d->turn && what == VISCOUS)
+            cells_turn_faces(g, d->turn, at, f.n, S[c->polyhedra->round.radial], &f.around, &f.hoop);
+        faces_of[d->turn != NULL][g->dim - 1][g->components - g->dim](
             what, &f, S, what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
     }
 }
@@ -416,8 +418,7 @@ static void drop_friction(struct gas *g, double weight) {
 static void seen_lines(const struct gas *g, enum diffusing what, int from, int to, double **line) {
     const struct cells_diffuser *d = g->cells->diffuser;
     for (int c = 0; c < lines_of(g, what); c++) line[c] = d->sum[g->diffusion.last][c];
-    if (d->turn && g->models.swirl && what == VISCOUS)
-        line[g->models.swirl] = cells_turn_spin(g, d->turn, d->sum[g->diffusion.last], from, to);
+    if (d->turn && what == VISCOUS) cells_turn_see(g, d->turn, from, to, line);
 }
 
 /* All fluxes of S: first those that need no ghosts, while the ghosts are under way. */

@@ -16,21 +16,26 @@
 #include <stdlib.h>
 
 struct cells_round {
-    double *side;      /* [nown] A_2/V, 1/m */
-    double *length;    /* [faces] of the faces in the plane, m^(dim-1) */
-    double *inside[2]; /* [faces] Pa: p + rho u_s^2 on a face by the polynomial of its left and right cell */
+    double *side; /* [nown] A_2/V, 1/m */
+    double *flat; /* [nown] m^dim: volumes in the plane */
+    double (
+        *lag)[BATCH];  /* as faces of chunks, m^dim: length of the face in the plane times lag along its normal out */
+    double *inside[2]; /* [faces + 1] Pa: p + rho u_s^2 on a face by the polynomial of its left and right cell */
     double *lever;     /* [faces] m; with a swirl, as all below */
     double *weight;    /* [points] of the means over faces for the torque, sum to 1 over a face */
     double *inertia;   /* [nown] 1/(V arm), 1/m^(dim+1) */
+    double (*torque)[BATCH]; /* as faces of chunks, m: lever, into the cell */
 };
 
 void cells_round_free(struct cells_round *r) {
     if (!r) return;
     free(r->side);
-    free(r->length);
+    free(r->flat);
+    free(r->lag);
     free(r->lever);
     free(r->weight);
     free(r->inertia);
+    free(r->torque);
     for (int side = 0; side < 2; side++) free(r->inside[side]);
     free(r);
 }
@@ -50,14 +55,46 @@ static void set_lever(const struct polyhedra *m, struct cells_round *r, int face
         r->weight[p] = on_axis ? m->point.weight[p] : r->weight[p] / sum;
 }
 
+/* Sets a weight of each entry of face_of_cell of cell i. */
+typedef void weigh_entries(const struct gas *g, int i, double *weight);
+static status make_weights(const struct gas *g, weigh_entries *weigh, double (**out)[BATCH]) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *weight;
+    TRY(allocate(&weight, m->face_start[m->nown], sizeof *weight, "the faces"));
+    for (int i = 0; i < m->nown; i++) weigh(g, i, weight);
+    const status s = cells_sides_weights(g->cells, weight, out);
+    free(weight);
+    return s;
+}
+
+static void weigh_lag(const struct gas *g, int i, double *weight) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        const int entry = m->face_of_cell[j], face = entry < 0 ? ~entry : entry;
+        double along = 0;
+        for (int k = 0; k < m->dim; k++) along += m->round.lag[k][i] * m->face.normal[k][face];
+        const double part = m->face.area[face] / m->round.reach[face] * along;
+        weight[j] = entry < 0 ? -part : part;
+    }
+}
+
+static void weigh_torque(const struct gas *g, int i, double *weight) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
+        const int entry = m->face_of_cell[j];
+        weight[j] = entry < 0 ? g->cells->round->lever[~entry] : -g->cells->round->lever[entry];
+    }
+}
+
 /* What a swirl needs besides. */
-static status make_swirl(const struct polyhedra *m, struct cells_round *r) {
+static status make_swirl(const struct gas *g, struct cells_round *r) {
+    const struct polyhedra *m = g->cells->polyhedra;
     TRY(allocate(&r->lever, m->face.n + SLACK, sizeof(double), "the faces"));
     TRY(allocate(&r->weight, m->point.n, sizeof(double), "the faces"));
     TRY(allocate(&r->inertia, m->nown, sizeof(double), "the cells"));
     for (int face = 0; face < m->face.n; face++) set_lever(m, r, face);
     for (int i = 0; i < m->nown; i++) r->inertia[i] = 1 / (m->volume[i] * polyhedra_arm(m, i));
-    return OK;
+    return make_weights(g, weigh_torque, &r->torque);
 }
 
 status cells_round_make(struct gas *g) {
@@ -66,9 +103,9 @@ status cells_round_make(struct gas *g) {
     if (m->round.radial < 0) return OK;
     TRY(allocate(&c->round, 1, sizeof *c->round, "the cells"));
     TRY(allocate(&c->round->side, m->nown, sizeof(double), "the cells"));
-    TRY(allocate(&c->round->length, m->face.n, sizeof(double), "the faces"));
-    for (int side = 0; side < 2; side++) TRY(allocate(&c->round->inside[side], m->face.n, sizeof(double), "the faces"));
-    for (int face = 0; face < m->face.n; face++) c->round->length[face] = m->face.area[face] / m->round.reach[face];
+    TRY(allocate(&c->round->flat, m->nown, sizeof(double), "the cells"));
+    for (int side = 0; side < 2; side++)
+        TRY(allocate(&c->round->inside[side], m->face.n + 1, sizeof(double), "the faces"));
     for (int i = 0; i < m->nown; i++) {
         double sum = 0;
         for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
@@ -77,8 +114,10 @@ status cells_round_make(struct gas *g) {
             sum += entry < 0 ? -part : part;
         }
         c->round->side[i] = sum * c->inverse_volume[i];
+        c->round->flat[i] = m->volume[i] / m->round.radius[i];
     }
-    return g->models.swirl ? make_swirl(m, c->round) : OK;
+    TRY(make_weights(g, weigh_lag, &c->round->lag));
+    return g->models.swirl ? make_swirl(g, c->round) : OK;
 }
 
 void cells_round_note(const struct gas *g, int first, int last, const double *left, const double *right) {
@@ -92,29 +131,19 @@ void cells_round_note(const struct gas *g, int first, int last, const double *le
         }
 }
 
-/* By how much the mean of p in the plane differs from p of the average of cell i. */
-static double plane_mean(const struct gas *g, int i) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    const double volume = m->volume[i] / m->round.radius[i];
-    double sum = 0;
-    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
-        const int entry = m->face_of_cell[j], face = entry < 0 ? ~entry : entry;
-        double along = 0;
-        for (int k = 0; k < m->dim; k++) along += m->round.lag[k][i] * m->face.normal[k][face];
-        const double part = g->cells->round->length[face] * along * g->cells->round->inside[entry < 0][face];
-        sum += entry < 0 ? -part : part;
-    }
-    return sum / volume;
-}
-
-/* What the sides of n cells push with; of limited cells by their own states alone, which have swirl, too. */
+/* What the sides of n cells push with: with the mean in the plane, which differs from the value of the average by
+ * lag[i]/flat[i]; limited cells, if they have swirl, by their own states alone. */
 static void push_sides(const struct gas *g, int at, int n, const double *U, const double *flag,
                        const struct cells_primitives *q, double *residual) {
+    const struct cells_round *r = g->cells->round;
     const int swirl = g->models.swirl;
-    for (int i = 0; i < n; i++) {
-        const double around = swirl ? U[(swirl + 1) * g->size + i] * q->velocity[swirl][i] : 0;
-        const bool alone = swirl && flag && flag[i] > 0;
-        residual[i] += g->cells->round->side[at + i] * ((q->p[i] + around) + (alone ? 0 : plane_mean(g, at + i)));
+    double lag[BATCH];
+    cells_sides_sum(g->cells, at, (const double(*)[BATCH])r->lag, r->inside[0], r->inside[1], lag);
+    for (int i = 0; i < n && !swirl; i++) residual[i] += r->side[at + i] * (q->p[i] + lag[i] / r->flat[at + i]);
+    for (int i = 0; i < n && swirl; i++) {
+        const double around = U[(swirl + 1) * g->size + i] * q->velocity[swirl][i];
+        const bool alone = flag && flag[i] > 0;
+        residual[i] += r->side[at + i] * ((q->p[i] + around) + (alone ? 0 : lag[i] / r->flat[at + i]));
     }
 }
 
@@ -123,11 +152,13 @@ static void push_around(const struct gas *g, int at, int n, const double *U, con
                         const struct cells_primitives *q, double *residual) {
     const struct cells_round *r = g->cells->round;
     const int radial = g->cells->polyhedra->round.radial, swirl = g->models.swirl;
+    double torque[BATCH];
+    cells_round_torque(g, at, n, g->cells->flux[swirl + 1], torque);
     for (int i = 0; i < n; i++)
         if (flag && flag[i] > 0)
             residual[i] -= r->side[at + i] * (U[(swirl + 1) * g->size + i] * q->velocity[radial][i]);
         else
-            residual[i] = cells_round_torque(g, at + i, g->cells->flux[swirl + 1]);
+            residual[i] = torque[i];
 }
 
 void cells_round_push(const struct gas *g, int at, int n, const double *U, const double *flag,
@@ -166,16 +197,11 @@ void cells_round_beyond(const struct gas *g, int from, int n, bool held, double 
     }
 }
 
-double cells_round_torque(const struct gas *g, int i, const double *flux) {
-    const struct polyhedra *m = g->cells->polyhedra;
+void cells_round_torque(const struct gas *g, int at, int n, const double *flux, double *residual) {
     const struct cells_round *r = g->cells->round;
-    double sum = 0;
-    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
-        const int entry = m->face_of_cell[j], face = entry < 0 ? ~entry : entry;
-        const double part = r->lever[face] * flux[face];
-        sum += entry < 0 ? part : -part;
-    }
-    return sum * r->inertia[i];
+    double sum[BATCH];
+    cells_sides_sum(g->cells, at, (const double(*)[BATCH])r->torque, flux, flux, sum);
+    for (int i = 0; i < n; i++) residual[i] = sum[i] * r->inertia[at + i];
 }
 
 const double *cells_round_levers(const struct gas *g) {

@@ -89,6 +89,33 @@ status cells_sides_make(const struct polyhedra *m, struct cells_sides *s) {
     return OK;
 }
 
+status cells_sides_weights(const struct cells *c, const double *weight, double (**out)[BATCH]) {
+    const struct polyhedra *m = c->polyhedra;
+    const int *start = c->sides.start;
+    TRY(allocate(out, start[(m->nown + BATCH - 1) / BATCH], sizeof **out, "the faces of the cells"));
+    for (int i = 0; i < m->nown; i++)
+        for (int j = 0; j < m->face_start[i + 1] - m->face_start[i]; j++)
+            (*out)[start[i / BATCH] + j][i % BATCH] = weight[m->face_start[i] + j];
+    return OK;
+}
+
+KERNEL static void weigh_sides(int rows, const int (*restrict side)[BATCH], const double (*restrict weight)[BATCH],
+                               const double *restrict left, const double *restrict right, double *restrict out) {
+    for (int i = 0; i < BATCH; i++) out[i] = 0;
+    for (int j = 0; j < rows; j++)
+        for (int i = 0; i < BATCH; i++) {
+            const int face = side[j][i];
+            out[i] += weight[j][i] * (face < 0 ? right[~face] : left[face]);
+        }
+}
+
+void cells_sides_sum(const struct cells *c, int from, const double (*weight)[BATCH], const double *left,
+                     const double *right, double *out) {
+    const int *start = c->sides.start + from / BATCH;
+    weigh_sides(start[1] - start[0], (const int(*)[BATCH])c->sides.face + start[0], weight + start[0], left, right,
+                out);
+}
+
 void cells_sides_free(struct cells_sides *s) {
     free(s->start);
     free(s->face);

@@ -14,8 +14,9 @@
 #include "libcore/polyhedral/cells_diffuser.h"
 
 struct cells_turn {
-    double *part;    /* [entries of face_of_cell] weights of the means over faces */
+    double (*part)[BATCH]; /* as faces of chunks: weights of the means over faces, over their areas */
     double *inverse; /* [size] 1/r of centres, of mirrors 1/r of their faces; on the axis that of the cell inside */
+    double *widens;  /* [ncells] u_r/r */
     double *spin;    /* [size], a batch of lanes longer: w, 1/s; NULL: there is no swirl */
     double *around;  /* [faces] u_r/r */
     double *hoop;    /* [faces] tau_ss times the area */
@@ -25,6 +26,7 @@ void cells_turn_free(struct cells_turn *t) {
     if (!t) return;
     free(t->part);
     free(t->inverse);
+    free(t->widens);
     free(t->spin);
     free(t->around);
     free(t->hoop);
@@ -44,28 +46,40 @@ static void set_parts(const struct polyhedra *m, int i, double *part) {
     for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) part[j] /= sum;
 }
 
+static status make_parts(const struct gas *g, struct cells_turn *t) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    double *part;
+    TRY(allocate(&part, m->face_start[m->nown], sizeof *part, "diffusion"));
+    for (int i = 0; i < m->nown; i++) set_parts(m, i, part);
+    const status s = cells_sides_weights(g->cells, part, &t->part);
+    free(part);
+    return s;
+}
+
 status cells_turn_make(const struct gas *g, struct cells_turn **out) {
     const struct polyhedra *m = g->cells->polyhedra;
     struct cells_turn *t;
     TRY(allocate(out, 1, sizeof **out, "diffusion"));
     t = *out;
-    TRY(allocate(&t->part, m->face_start[m->nown], sizeof(double), "diffusion"));
     TRY(allocate(&t->inverse, m->size, sizeof(double), "diffusion"));
+    TRY(allocate(&t->widens, m->ncells, sizeof(double), "diffusion"));
     TRY(allocate(&t->around, m->face.n + SLACK, sizeof(double), "diffusion"));
     TRY(allocate(&t->hoop, m->face.n + SLACK, sizeof(double), "diffusion"));
-    for (int i = 0; i < m->nown; i++) set_parts(m, i, t->part);
     if (g->models.swirl) TRY(allocate(&t->spin, m->size + LANES, sizeof(double), "diffusion"));
     for (int i = 0; i < m->ncells; i++) t->inverse[i] = 1 / (m->centre[m->round.radial][i] - m->round.at);
     for (int i = 0; i < m->mirror.n; i++) {
         const double rim = m->round.rim[i];
         t->inverse[m->ncells + i] = rim < NO_RADIUS ? t->inverse[m->mirror.cell[i]] : 1 / rim;
     }
-    return OK;
+    return make_parts(g, t);
 }
 
-double *cells_turn_spin(const struct gas *g, const struct cells_turn *t, double *const *S, int from, int to) {
-    for (int i = from; i < to; i++) t->spin[i] = S[g->models.swirl][i] * t->inverse[i];
-    return t->spin;
+void cells_turn_see(const struct gas *g, const struct cells_turn *t, int from, int to, double **S) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const double *u = S[m->round.radial], *swirl = S[g->models.swirl];
+    for (int i = from; i < to && i < m->ncells; i++) t->widens[i] = u[i] * t->inverse[i];
+    for (int i = from; i < to && t->spin; i++) t->spin[i] = swirl[i] * t->inverse[i];
+    if (t->spin) S[g->models.swirl] = t->spin;
 }
 
 double cells_turn_out(const struct gas *g, const struct cells_turn *t, int mirror) {
@@ -73,33 +87,35 @@ double cells_turn_out(const struct gas *g, const struct cells_turn *t, int mirro
     return t->inverse[m->mirror.cell[mirror]] / t->inverse[m->ncells + mirror];
 }
 
-void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, double *const *S, const double **around,
+KERNEL static void mix_widens(int n, const int *restrict left, const int *restrict right, const double *restrict share,
+                              const double *restrict widens, double *restrict around) {
+    for (int i = 0; i < n; i++) {
+        const double a = widens[left[i]];
+        around[i] = a + share[i] * (widens[right[i]] - a);
+    }
+}
+
+void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, const double *u, const double **around,
                       double **hoop) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const double *share = g->cells->diffuser->share, *u = S[m->round.radial];
-    for (int i = at; i < at + n; i++) {
-        const int left = m->face.left[i], right = m->face.right[i];
-        const double a = u[left] * t->inverse[left], reach = m->round.reach[i];
-        if (i < m->face.ninternal)
-            t->around[i] = a + share[i] * (u[right] * t->inverse[right] - a);
-        else
-            t->around[i] = reach < NO_RADIUS ? a : 0.5 * (u[left] + u[right]) / reach;
+    const int inside = at + n < m->face.ninternal ? n : m->face.ninternal > at ? m->face.ninternal - at : 0;
+    mix_widens(inside, m->face.left + at, m->face.right + at, g->cells->diffuser->share + at, t->widens,
+               t->around + at);
+    for (int i = at + inside; i < at + n; i++) {
+        const int left = m->face.left[i];
+        const double reach = m->round.reach[i];
+        t->around[i] = reach < NO_RADIUS ? t->widens[left] : 0.5 * (u[left] + u[m->face.right[i]]) / reach;
     }
     *around = t->around + at;
     *hoop = t->hoop + at;
 }
 
 void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int at, int n, double *M) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    for (int i = 0; i < n && g->models.swirl && v == g->models.swirl; i++)
-        M[i] = cells_round_torque(g, at + i, g->cells->flux[v]);
-    if (v != m->round.radial) return;
-    for (int i = 0; i < n; i++) {
-        double sum = 0;
-        for (int j = m->face_start[at + i]; j < m->face_start[at + i + 1]; j++)
-            sum += t->part[j] * t->hoop[m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j]];
-        M[i] -= cells_round_side(g, at + i) * sum;
-    }
+    double sum[BATCH];
+    if (t->spin && v == g->models.swirl) cells_round_torque(g, at, n, g->cells->flux[v], M);
+    if (v != g->cells->polyhedra->round.radial) return;
+    cells_sides_sum(g->cells, at, (const double(*)[BATCH])t->part, t->hoop, t->hoop, sum);
+    for (int i = 0; i < n; i++) M[i] -= cells_round_side(g, at + i) * sum[i];
 }
 
 /* The sum over the faces of cell i that bounds the rate of the swirl. */
@@ -118,10 +134,11 @@ static double rate_around(const struct gas *g, const struct cells_turn *t, int i
 double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i, double plane) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct cells_diffuser *d = g->cells->diffuser;
+    const double(*part)[BATCH] = (const double(*)[BATCH])t->part + g->cells->sides.start[i / BATCH];
     double sum = 0;
     for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
         const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
-        sum += t->part[j] * (d->face[0][face] + 2 * d->face[1][face]);
+        sum += part[j - m->face_start[i]][i % BATCH] * (d->face[0][face] + 2 * d->face[1][face]);
     }
     sum = plane + sum * cells_round_side(g, i) * t->inverse[i] / g->cells->inverse_volume[i];
     return g->models.swirl ? larger(sum, rate_around(g, t, i)) : sum;
