@@ -606,14 +606,14 @@ static status compare_restart(const struct problem *p, const struct scheme *sche
     return OK;
 }
 
-/* No bit changes by a restart (with transport seed 189 does not keep to that yet), by skipping, and in the mirror. */
+/* No bit changes by a restart, by skipping, and in the mirror. */
 static status compare_round(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
                             const struct comm *c, struct outcome *out) {
     const struct problem mirror = problem_mirrored(p);
     struct run_options again = *o;
     struct outcome second;
     again.bare = true;
-    if (!p->transport && out->steps > 1 && !out->left) TRY(compare_restart(p, scheme, o, c, out));
+    if (out->steps > 1 && !out->left) TRY(compare_restart(p, scheme, o, c, out));
     if (p->polyhedral || out->verdict == FAILED) return OK;
     again.full = true;
     TRY(run_scene(p, scheme, &again, c, &second));
