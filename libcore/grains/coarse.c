@@ -1,6 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sums shares of grains and impacts in cells for the three kernels, and turns the sums into fields; coarse.h has the
- * formulas and their sources. */
+ * formulas and their sources.
+ *
+ * On a mesh sums are of cells, and a kernel then spreads them over the cells near each: cell j gives cell i the share
+ *
+ *   M_ij/V_j,  M_ij = e_i V_i phi(|x_i - x_j|) V_j e_j,  sum_j M_ij = V_i,
+ *
+ * with the centres x and phi = 1 within the width, or a normal distribution cut at 3 widths. M is symmetric, so the
+ * shares of a cell add up to 1, which keeps mass, momentum and energy, and uniform grains give uniform fields in
+ * unequal cells and beside walls of any shape. The factors e are found by the iteration e <- sqrt(e/sum V phi e)
+ * (Knight, Ruiz & Ucar, SIAM J. Matrix Anal. Appl. 35 (2014) 931). */
 #include "libcore/grains/coarse.h"
 
 #include <math.h>
@@ -34,6 +43,15 @@ struct reach { /* the cells that a kernel covers along one axis */
     double *value; /* Gaussian: share; Heaviside: squared distance of the centre */
     double *s;     /* Gaussian: place of the upper face in widths */
 };
+struct near { /* the share that a cell gets of another one */
+    long cell;
+    double share;
+};
+struct mesh_kernel { /* of a mesh: shares of cell i are near[start[i]] .. near[start[i + 1] - 1] */
+    long *start;     /* [cells + 1] */
+    struct near *near;
+    double *sums; /* spread sums */
+};
 struct coarse {
     struct grain_observer observer; /* first */
     struct coarse_grid grid;
@@ -43,26 +61,35 @@ struct coarse {
     double *sums;
     double term[TERMS], half; /* coefficients of bell_integrals; the integral from 0 to 3 */
     struct reach reach[3];
-    struct share *shares; /* shares of the place last spread */
+    struct share *shares;      /* shares of the place last spread */
+    struct mesh_kernel kernel; /* start NULL: none */
 };
 
 static void observe(struct grain_observer *self, const struct grain_impact *i);
 static void bell_make(struct coarse *c);
+static status make_mesh_kernel(struct coarse *c, enum coarse_kernel kernel);
+
+static status check_width(const struct coarse_grid *g) {
+    double longest = 0;
+    for (int k = 0; k < g->dim; k++) longest = fmax(longest, g->n[k] * g->h[k]);
+    if (g->width > 0 && g->width <= longest) return OK;
+    return fail(ERR_INPUT, "the width of the kernel is %g m; it must be positive and at most the box (%g m)", g->width,
+                longest);
+}
+
+static status too_wide(const struct coarse_grid *g) {
+    return fail(ERR_INPUT, "a kernel of width %g m covers more than %d cells; make it narrower", g->width, MOST_CELLS);
+}
 
 static status make_reach(struct coarse *c) {
     const struct coarse_grid *g = &c->grid;
     const double cut = g->kernel == COARSE_GAUSSIAN ? 3 * g->width : g->width;
-    double longest = 0, room = 1;
-    for (int k = 0; k < g->dim; k++) longest = fmax(longest, g->n[k] * g->h[k]);
-    if (!(g->width > 0 && g->width <= longest))
-        return fail(ERR_INPUT, "the width of the kernel is %g m; it must be positive and at most the box (%g m)",
-                    g->width, longest);
+    double room = 1;
+    TRY(check_width(g));
     for (int k = 0; k < 3; k++) {
         const double most = k < g->dim ? floor(2 * cut / g->h[k]) + 3 : 1;
         room *= most;
-        if (room > MOST_CELLS)
-            return fail(ERR_INPUT, "a kernel of width %g m covers more than %d cells; make it narrower", g->width,
-                        MOST_CELLS);
+        if (room > MOST_CELLS) return too_wide(g);
         TRY(allocate(&c->reach[k].offset, (long)most, sizeof(long), "a kernel"));
         TRY(allocate(&c->reach[k].value, (long)most, sizeof(double), "a kernel"));
         TRY(allocate(&c->reach[k].s, (long)most, sizeof(double), "a kernel"));
@@ -88,12 +115,15 @@ static status fill(struct coarse *c, const struct coarse_grid *grid) {
     }
     if (grid->mesh) {
         c->cells = grid->mesh->cells;
-        if (grid->kernel != COARSE_CELL)
+        c->grid.kernel = COARSE_CELL; /* of the sums */
+        if (grid->rough && grid->kernel != COARSE_CELL)
             return fail(ERR_INPUT,
-                        "on a mesh of other cells than equal boxes, fields are means over cells: kernel cell");
+                        "on a mesh of other cells than equal boxes, fields of soft grains are means over cells: "
+                        "kernel cell");
     }
     TRY(allocate(&c->sums, coarse_size(c), sizeof(double), "sums of the grains"));
-    return grid->kernel == COARSE_CELL ? allocate(&c->shares, 1, sizeof *c->shares, "a kernel") : make_reach(c);
+    if (grid->mesh && grid->kernel != COARSE_CELL) TRY(make_mesh_kernel(c, grid->kernel));
+    return c->grid.kernel == COARSE_CELL ? allocate(&c->shares, 1, sizeof *c->shares, "a kernel") : make_reach(c);
 }
 
 status coarse_make(const struct coarse_grid *grid, struct coarse **out) {
@@ -114,6 +144,9 @@ void coarse_free(struct coarse *c) {
         free(c->reach[k].s);
     }
     free(c->shares);
+    free(c->kernel.start);
+    free(c->kernel.near);
+    free(c->kernel.sums);
     free(c->sums);
     free(c);
 }
@@ -345,6 +378,188 @@ static void observe(struct grain_observer *self, const struct grain_impact *i) {
     }
 }
 
+/* ---- kernels on a mesh ---- */
+
+struct bins { /* cells of the mesh by their centres, in boxes as wide as a kernel reaches */
+    int n[3];
+    double low[3], per[3]; /* m, 1/m */
+    long *start, *cell;    /* [boxes + 1], [cells] */
+};
+
+static long bin_of(const struct bins *b, const double x[3], int shift[3]) {
+    long at = 0;
+    for (int k = 2; k >= 0; k--) {
+        const int i = below((x[k] - b->low[k]) * b->per[k]);
+        shift[k] = i < 0 ? 0 : i >= b->n[k] ? b->n[k] - 1 : i;
+        at = at * b->n[k] + shift[k];
+    }
+    return at;
+}
+
+/* Sorts the cells into boxes; the caller frees the lists, also after an error. */
+static status make_bins(const struct coarse *c, double reach, struct bins *b) {
+    const struct coarse_grid *g = &c->grid;
+    long boxes = 1;
+    int at[3];
+    for (int k = 0; k < 3; k++) {
+        const double length = k < g->dim ? g->n[k] * g->h[k] : 1;
+        b->n[k] = k < g->dim ? (int)fmax(1, fmin(floor(length / reach), 256)) : 1;
+        b->low[k] = k < g->dim ? g->low[k] : -0.5;
+        b->per[k] = b->n[k] / length;
+        boxes *= b->n[k];
+    }
+    TRY(allocate(&b->start, boxes + 2, sizeof *b->start, "a kernel"));
+    TRY(allocate(&b->cell, c->cells, sizeof *b->cell, "a kernel"));
+    for (long i = 0; i < c->cells; i++) b->start[bin_of(b, g->mesh->centre[i], at) + 2]++;
+    for (long i = 2; i < boxes + 2; i++) b->start[i] += b->start[i - 1];
+    for (long i = 0; i < c->cells; i++) b->cell[b->start[bin_of(b, g->mesh->centre[i], at) + 1]++] = i;
+    return OK;
+}
+
+/* Computes exp(-t) for 0 <= t < 8 by the series of exp(-t/16): unlike exp it has the same bits everywhere. */
+static double falling(double t) {
+    double sum = 1;
+    for (int k = 16; k > 0; k--) sum = 1 - t / 16 / k * sum;
+    for (int k = 0; k < 4; k++) sum *= sum;
+    return sum;
+}
+
+/* Returns phi of the kernel between two cells; 0: they are too far apart. */
+static double phi_of(const struct coarse_grid *g, enum coarse_kernel kernel, long i, long j) {
+    double square = 0;
+    for (int k = 0; k < g->dim; k++) {
+        const double length = g->n[k] * g->h[k];
+        double r = fabs(g->mesh->centre[i][k] - g->mesh->centre[j][k]);
+        if (g->periodic[k]) r = fmin(r, length - r);
+        square += r * r;
+    }
+    const double t = square / (g->width * g->width);
+    if (i == j) return 1;
+    return kernel == COARSE_HEAVISIDE ? t < 1 : t < 9 ? falling(0.5 * t) : 0;
+}
+
+/* Lists the cells near cell i with phi, if `out` is there; returns how many. */
+static long list_near(const struct coarse *c, enum coarse_kernel kernel, const struct bins *b, long i,
+                      struct near *out) {
+    const struct coarse_grid *g = &c->grid;
+    long n = 0;
+    int at[3], q[3];
+    (void)bin_of(b, g->mesh->centre[i], at);
+    for (int s = 0; s < 27; s++) {
+        const int step[3] = {s % 3 - 1, s / 3 % 3 - 1, s / 9 - 1};
+        bool there = true;
+        for (int k = 0; k < 3; k++) { /* of few boxes each is there once */
+            const bool around = k < g->dim && g->periodic[k];
+            q[k] = at[k] + step[k];
+            there = there && step[k] >= (around && b->n[k] < 3 ? 0 : -1) && step[k] <= (around && b->n[k] < 2 ? 0 : 1);
+            if (around) q[k] = (q[k] + b->n[k]) % b->n[k];
+            there = there && q[k] >= 0 && q[k] < b->n[k];
+        }
+        if (!there) continue;
+        const long bin = (q[2] * (long)b->n[1] + q[1]) * b->n[0] + q[0];
+        for (long p = b->start[bin]; p < b->start[bin + 1]; p++) {
+            const double phi = phi_of(g, kernel, i, b->cell[p]);
+            if (phi > 0 && out) out[n] = (struct near){b->cell[p], phi};
+            n += phi > 0;
+        }
+    }
+    return n;
+}
+
+static status find_near(struct coarse *c, enum coarse_kernel kernel, const struct bins *b) {
+    struct mesh_kernel *m = &c->kernel;
+    for (long i = 0; i < c->cells; i++) {
+        m->start[i + 1] = m->start[i] + list_near(c, kernel, b, i, NULL);
+        if (m->start[i + 1] > 16L * MOST_CELLS) return too_wide(&c->grid);
+    }
+    TRY(allocate(&m->near, m->start[c->cells], sizeof *m->near, "a kernel"));
+    for (long i = 0; i < c->cells; i++) (void)list_near(c, kernel, b, i, m->near + m->start[i]);
+    return OK;
+}
+
+/* Turns phi into shares. What the iteration leaves, far below round-off of the fields, goes to the cell itself. */
+static void balance(const struct coarse *c, double *e) {
+    enum { STEPS = 400 };
+    const struct mesh_kernel *m = &c->kernel;
+    const double *V = c->grid.mesh->volume;
+    for (long i = 0; i < c->cells; i++) e[i] = 1 / sqrt(V[i]);
+    double *next = e + c->cells, off = 1;
+    for (int step = 0; step < STEPS && off > 1e-13; step++) {
+        off = 0;
+        for (long i = 0; i < c->cells; i++) {
+            double sum = 0;
+            for (long p = m->start[i]; p < m->start[i + 1]; p++)
+                sum += V[m->near[p].cell] * m->near[p].share * e[m->near[p].cell];
+            off = fmax(off, fabs(e[i] * sum - 1));
+            next[i] = sqrt(e[i] / sum);
+        }
+        memcpy(e, next, (size_t)c->cells * sizeof *e);
+    }
+    for (long i = 0; i < c->cells; i++) {
+        double others = 0;
+        for (long p = m->start[i]; p < m->start[i + 1]; p++) {
+            m->near[p].share *= e[i] * V[i] * e[m->near[p].cell]; /* M_ij/V_j */
+            if (m->near[p].cell != i) others += m->near[p].share * V[m->near[p].cell];
+        }
+        for (long p = m->start[i]; p < m->start[i + 1]; p++)
+            if (m->near[p].cell == i) m->near[p].share = 1 - others / V[i];
+    }
+}
+
+static status make_mesh_kernel(struct coarse *c, enum coarse_kernel kernel) {
+    struct bins b = {.start = NULL};
+    double *e = NULL;
+    TRY(check_width(&c->grid));
+    TRY(allocate(&c->kernel.start, c->cells + 1, sizeof *c->kernel.start, "a kernel"));
+    TRY(allocate(&c->kernel.sums, coarse_size(c), sizeof(double), "sums of the grains"));
+    status s = make_bins(c, kernel == COARSE_GAUSSIAN ? 3 * c->grid.width : c->grid.width, &b);
+    if (!s) s = find_near(c, kernel, &b);
+    if (!s) s = allocate(&e, 2 * c->cells, sizeof *e, "a kernel");
+    if (!s) balance(c, e);
+    free(b.start);
+    free(b.cell);
+    free(e);
+    return s;
+}
+
+/* Spreads one set of sums, of all grains or of a kind, to cell i. */
+static void spread_set(const struct coarse *c, long i, int set) {
+    const struct mesh_kernel *m = &c->kernel;
+    double *out = m->sums + c->size * i + set, share = 0, impacts = 0;
+    for (long p = m->start[i]; p < m->start[i + 1]; p++) {
+        const double *from = c->sums + c->size * m->near[p].cell + set;
+        share += m->near[p].share * from[SHARE];
+        impacts += m->near[p].share * from[IMPACTS];
+    }
+    out[SHARE] = share;
+    out[IMPACTS] = impacts;
+    for (int k = 0; k < c->grid.dim; k++) {
+        const int mean = MEAN + PER_AXIS * k, deviation = DEVIATION + PER_AXIS * k;
+        double base = NAN, away = 0, square = 0; /* about the mean of a cell, so that a cold stream has T = 0 */
+        for (long p = m->start[i]; p < m->start[i + 1]; p++) {
+            const double *from = c->sums + c->size * m->near[p].cell + set, part = m->near[p].share * from[SHARE];
+            if (part > 0 && isnan(base)) base = from[mean];
+            if (part > 0) away += part * (from[mean] - base);
+        }
+        out[mean] = share > 0 ? base + away / share : 0;
+        for (long p = m->start[i]; p < m->start[i + 1]; p++) {
+            const double *from = c->sums + c->size * m->near[p].cell + set, off = from[mean] - out[mean];
+            square += m->near[p].share * (from[deviation] + from[SHARE] * off * off);
+        }
+        out[deviation] = square;
+    }
+}
+
+/* Returns the sums of which the fields are. */
+static const double *spread_sums(const struct coarse *c) {
+    if (!c->kernel.start) return c->sums;
+    const int sets = c->grid.kinds ? 1 + c->grid.kinds->n : 1;
+    for (long i = 0; i < c->cells; i++)
+        for (int set = 0; set < sets; set++) spread_set(c, i, set * c->rough);
+    c->kernel.sums[c->cells * c->size] = c->sums[c->cells * c->size];
+    return c->kernel.sums;
+}
+
 static double cell_volume(const struct coarse *c, long cell) {
     double box = 1;
     if (c->grid.mesh) return c->grid.mesh->volume[cell];
@@ -378,9 +593,9 @@ static double variance(const double *sum, int dim) {
 
 void coarse_kind(const struct coarse *c, int kind, enum coarse_field f, double *const out[3]) {
     const int dim = c->grid.dim;
-    const double samples = c->sums[c->cells * c->size], one = grain_volume(c);
+    const double *sums = spread_sums(c), samples = sums[c->cells * c->size], one = grain_volume(c);
     for (long i = 0; i < c->cells; i++) {
-        const double *all = c->sums + c->size * i, *sum = all + (kind + 1) * c->rough;
+        const double *all = sums + c->size * i, *sum = all + (kind + 1) * c->rough;
         if (f == COARSE_ALPHA)
             out[0][i] = samples > 0 ? kind_share(c, all, kind) / (samples * cell_volume(c, i)) * one : 0;
         if (f == COARSE_T) out[0][i] = variance(sum, dim);
@@ -402,9 +617,9 @@ static void rough_value(const struct coarse *c, const double *sum, double per, e
 
 void coarse_value(const struct coarse *c, double tau, enum coarse_field f, double *const out[3]) {
     const struct coarse_grid *g = &c->grid;
-    const double samples = c->sums[c->cells * c->size], one = grain_volume(c);
+    const double *sums = spread_sums(c), samples = sums[c->cells * c->size], one = grain_volume(c);
     for (long i = 0; i < c->cells; i++) {
-        const double volume = cell_volume(c, i), *sum = c->sums + c->size * i;
+        const double volume = cell_volume(c, i), *sum = sums + c->size * i;
         const double number = samples > 0 ? sum[SHARE] / (samples * volume) : 0, T = variance(sum, g->dim);
         const double collisional = tau > 0 ? sum[IMPACTS] / (g->dim * tau * volume) : 0;
         if (f > COARSE_T_AXES) {

@@ -34,7 +34,9 @@ struct coarse_grid {
     double width;                    /* m, at most the longest side of the grid */
     double mass, diameter;           /* kg, m: of a grain */
     const struct grain_kinds *kinds; /* of a mixture: mass and diameter are those of its law; NULL: all are alike */
-    const struct grain_mesh *mesh;   /* its cells are used and not those of the grid, with COARSE_CELL; NULL: none */
+    /* Its cells are used and not those of the grid, which is a box around them; NULL: none. The kernels have other
+     * shares then, see coarse.c. */
+    const struct grain_mesh *mesh;
     bool rough; /* are spins and the whole stress of contacts summed, too? For coarse_rough, coarse_contact */
 };
 enum coarse_field {
@@ -52,7 +54,7 @@ enum coarse_field {
 
 struct coarse; /* the sums; it is a grain_observer of the impacts */
 /* Fails with ERR_INPUT on a width that is not positive or too large, on a kernel of more than 2^24 cells, and
- * on another kernel than COARSE_CELL with a mesh. */
+ * on another kernel than COARSE_CELL with a mesh and `rough`. */
 status coarse_make(const struct coarse_grid *grid, struct coarse **out);
 void coarse_free(struct coarse *c);
 struct grain_observer *coarse_observer(struct coarse *c);

@@ -28,6 +28,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* A rough wall (docs/physics.md 10.7): of the impacts on it the part phi is diffuse: the grain's velocity along the
+ * wall, relative to it, gets a new random direction and keeps its length. */
+struct grain_rough {
+    double phi;  /* 0 .. 1, the specularity coefficient of Johnson & Jackson (1987); 0: smooth */
+    double u[3]; /* m/s: of the wall, which moves along itself */
+};
 struct grain_box {
     int dim;                /* 2: disks, 3: spheres */
     double low[3], high[3]; /* m, along axis k < dim */
@@ -41,9 +47,11 @@ struct grain_box {
     /* Walls of any shape stand in place of the flat ones; low and high are then a box around them. Borrowed; NULL: no
      */
     const struct facets *facets;
-    const double *wall_restitution; /* [walls of facets]; NULL: 1 */
-    bool shut;                      /* facets that are open are walls all the same */
-    bool fed;                       /* may grains come in through open facets, by grains_enter? */
+    const double *wall_restitution;  /* [walls of facets]; NULL: 1 */
+    const struct grain_rough *rough; /* [walls of facets]; NULL: all are smooth */
+    uint64_t seed;                   /* of the impacts on rough walls */
+    bool shut;                       /* facets that are open are walls all the same */
+    bool fed;                        /* may grains come in through open facets, by grains_enter? */
 };
 enum { GRAIN_KINDS = 8 };
 struct grain_kinds {                              /* of a mixture, by the numbers that grains have in grains_make */
@@ -76,10 +84,12 @@ struct grain_event {
     int32_t cell;     /* cell that the grain is in */
 };
 struct grain_counts {
-    int64_t pairs, walls;      /* impacts */
-    int64_t elastic;           /* impacts of e < 1 that were below the threshold, or too slow to tell from rest */
-    int64_t events;            /* events taken from the queue */
-    double lost;               /* J: energy the impacts took (pairs and walls), in the frame of the wall for walls */
+    int64_t pairs, walls; /* impacts */
+    int64_t elastic;      /* impacts of e < 1 that were below the threshold, or too slow to tell from rest */
+    int64_t events;       /* events taken from the queue */
+    /* J: energy the impacts took (pairs and walls), in the frame of the wall for walls, less the work of rough walls
+     * that move along themselves */
+    double lost;
     double wall_impulse[3][2]; /* kg m/s: sum of the impulses given to the walls, along their outward normal */
 };
 struct grain_impact {
@@ -88,6 +98,9 @@ struct grain_impact {
             [3]; /* m: centres of both grains (box frame, the second unwrapped beside the first); a wall: x[1] = x[0] */
     double normal[3]; /* unit vector from the first to the second, or to the wall */
     double impulse;   /* kg m/s, > 0: the first grain gets -impulse * normal */
+    double mass;      /* kg: of the first grain */
+    double drag[3];   /* kg m/s: a rough wall gets it, along itself, */
+    double work;      /* J: and gives this to the grain, since it moves */
     double branch;    /* m: the mean diameter of both; a wall: the radius */
     int a, b;         /* indices of the grains at that time; b < 0: the wall, as in struct grain_event */
 };

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finds when a grain in flight touches facets, the walls of any shape (facets.h; docs/physics.md 10.2), and lets it
- * rebound from them. */
+ * rebound from them (10.1; rough ones: docs/physics.md 10.7). */
 #include "libcore/grains/grains_private.h"
+#include "libcore/grains/random.h"
 
 struct approach { /* distance of the surfaces of a grain and a facet (m), its rate (m/s), the unit normal of the latter
                    */
@@ -131,6 +132,46 @@ void grains_consider_facets(struct grains *g, int i, double leaving) {
     }
 }
 
+/* Gives v, the velocity of a grain along a wall (m/s), a new direction across the unit normal, if it comes so by the
+ * grain's own random numbers: they follow from its number and the count of its changes, so that a restart has them,
+ * too. Sets du (m/s) to the change. */
+static void scatter(const struct grains *g, int i, double phi, const double normal[3], const double v[3],
+                    double du[3]) {
+    struct random r = random_make(g->box.seed, (uint64_t)g->id[i] << 32 | g->event[i].changes);
+    double sine = 0, cosine = -1; /* a disk turns back */
+    du[0] = du[1] = du[2] = 0;
+    if (random_uniform(&r) >= phi) return;
+    if (g->dim == 2 && random_uniform(&r) < 0.5) return;
+    if (g->dim == 3) cosine = grains_phase_cos(6.28318530717958647692 * random_uniform(&r), &sine);
+    for (int k = 0; k < 3; k++) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        du[k] = (cosine - 1) * v[k] + sine * (normal[p] * v[q] - normal[q] * v[p]);
+    }
+}
+
+/* Lets grain a, which touches wall w, have a diffuse impact, perhaps; `impact` gets drag and work. */
+static void rub(struct grains *g, int a, int w, double t, const double normal[3], struct grain_impact *impact) {
+    const struct grain_rough *rough = &g->box.rough[w];
+    struct grain *p = &g->grain[a];
+    const double mass = grains_mass(g, a);
+    double v[3] = {0}, du[3], unit[3];
+    const double square = along(normal, normal);
+    for (int k = 0; k < 3; k++) v[k] = p->u[k] - grains_swing(&g->box, k, t).v - rough->u[k];
+    const double away = along(v, normal) / square;
+    for (int k = 0; k < 3; k++) {
+        v[k] -= away * normal[k];
+        unit[k] = normal[k] / sqrt(square);
+    }
+    scatter(g, a, rough->phi, unit, v, du);
+    for (int k = 0; k < g->dim; k++) {
+        p->u[k] += du[k];
+        impact->drag[k] = -mass * du[k];
+        impact->work += mass * du[k] * rough->u[k];
+        g->impulse[w][k] -= mass * du[k];
+    }
+    g->counts.lost -= impact->work;
+}
+
 void grains_rebound_facet(struct grains *g, int a, int partner, double t, struct grain_observer *observer) {
     struct grain *p = &g->grain[a];
     const struct facet *f = &g->box.facets->facet[FIRST_FACET - partner];
@@ -146,10 +187,13 @@ void grains_rebound_facet(struct grains *g, int a, int partner, double t, struct
         p->u[k] += du;
         g->impulse[f->wall][k] -= mass * du;
     }
+    struct grain_impact impact = {.mass = mass};
+    if (observer) impact = grains_impact_of(g, a, partner, t, to_wall, 1, mass * gain);
+    if (g->box.rough && g->box.rough[f->wall].phi > 0) rub(g, a, f->wall, t, now.normal, &impact);
     g->event[a].changes++;
     g->counts.walls++;
     g->counts.lost += 0.5 * mass * (outward - after) * (outward + after);
-    if (observer) grains_tell(g, observer, a, partner, t, to_wall, 1, mass * gain);
+    if (observer) observer->impact(observer, &impact);
 }
 
 status grains_facets_make(struct grains *g) {

@@ -28,10 +28,11 @@ double grains_speed_after(struct grains *g, double approach, double e, const dou
     return rebound(g, approach, e, g->gentle + 1e-13 * speed(u)).speed;
 }
 
-void grains_tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
-                 double distance, double impulse) {
+struct grain_impact grains_impact_of(const struct grains *g, int a, int b, double t, const double r[3], double distance,
+                                     double impulse) {
     const double size = b < 0 ? 0.5 * grains_size(g, a) : grains_pair_size(g, a, b);
     struct grain_impact i = {.t = t, .impulse = impulse, .a = a, .b = b, .branch = size * g->law.diameter};
+    i.mass = grains_mass(g, a);
     const struct grain *p = &g->grain[a];
     for (int k = 0; k < g->dim; k++) {
         i.x[0][k] = p->x[k] - grains_swing(&g->box, k, t).s;
@@ -39,6 +40,10 @@ void grains_tell(const struct grains *g, struct grain_observer *observer, int a,
         i.x[1][k] = i.x[0][k] + (b < 0 ? 0 : r[k]);
         i.normal[k] = r[k] / distance;
     }
+    return i;
+}
+
+static void tell(struct grain_observer *observer, const struct grain_impact i) {
     observer->impact(observer, &i);
 }
 
@@ -82,7 +87,7 @@ void grains_collide(struct grains *g, int a, int b, double t, struct grain_obser
     g->event[b].changes++;
     g->counts.pairs++;
     g->counts.lost += 0.25 * pair.mass * (normal - after) * (normal + after);
-    if (observer) grains_tell(g, observer, a, b, t, r, distance, pair.mass * factor * distance);
+    if (observer) tell(observer, grains_impact_of(g, a, b, t, r, distance, pair.mass * factor * distance));
 }
 
 void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer) {
@@ -99,5 +104,5 @@ void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_ob
     g->counts.lost += 0.5 * mass * (outward - after) * (outward + after);
     g->counts.wall_impulse[k][side] += mass * gain;
     r[k] = out;
-    if (observer) grains_tell(g, observer, a, wall, t, r, 1, mass * gain);
+    if (observer) tell(observer, grains_impact_of(g, a, wall, t, r, 1, mass * gain));
 }

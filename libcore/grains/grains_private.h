@@ -213,11 +213,11 @@ void grains_depart(struct grains *g, int i, int partner); /* grain i leaves thro
 void grains_rebound_facet(struct grains *g, int a, int partner, double t, struct grain_observer *observer);
 double grains_facet_time(const struct grains *g, int i, int facet, double limit, bool *again); /* as grains_wall_time */
 
-/* grains_impact.c: returns the speed at which a grain of velocity u leaves a wall that it came to at `approach`; tells
- * the observer of an impact along r, which has the length `distance`. */
+/* grains_impact.c: returns the speed at which a grain of velocity u leaves a wall that it came to at `approach`; makes
+ * what the observer hears of an impact along r, which has the length `distance`. */
 double grains_speed_after(struct grains *g, double approach, double e, const double u[3]);
-void grains_tell(const struct grains *g, struct grain_observer *observer, int a, int b, double t, const double r[3],
-                 double distance, double impulse);
+struct grain_impact grains_impact_of(const struct grains *g, int a, int b, double t, const double r[3], double distance,
+                                     double impulse);
 void grains_collide(struct grains *g, int a, int b, double t, struct grain_observer *observer);
 void grains_rebound(struct grains *g, int a, int wall, double t, struct grain_observer *observer);
 

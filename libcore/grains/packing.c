@@ -380,6 +380,7 @@ static status grow_from(const struct levels *l, double small, double full, int n
     w.box.wall_restitution = NULL;
     w.box.shear = 0;
     w.box.shut = true;
+    w.box.rough = NULL;
     for (int k = 0; k < 3; k++) {
         w.box.restitution[k][0] = w.box.restitution[k][1] = 1;
         w.box.shake[k] = 0;

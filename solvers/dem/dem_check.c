@@ -126,7 +126,7 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     TRY(grains_start_read(s, m, saved, &r->start));
     TRY(grains_start_take(s, m, NULL, saved, &r->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, r->start.field[i], time_is_original(&s->start)));
-    TRY(grains_start_walls(&r->start, s->mesh, m));
+    TRY(grains_start_walls(s, &r->start, m));
     TRY(grains_start_check(s, m, &r->start));
     TRY(check_forces(s, m));
     if (saved) TRY(dem_state_read(path, &r->saved));

@@ -32,14 +32,17 @@ static status check_wall(const struct setup *s, const struct grains_models *m, c
     const char *patch = s->mesh->patch[p].name, *file = dict_path(U->dict);
     const struct boundary_type *type = boundary_find(q->type);
     if (boundary_is_smooth(type) || (m->soft && boundary_is_wall(type))) return OK;
+    if (type == boundary_find("JohnsonJacksonSlip")) return OK; /* rough */
     if (boundary_is_wall(type))
-        return fail(ERR_INPUT, "%s:%d: patch %s: type is %s; walls of grains are smooth: use  slip;", file, q->line,
-                    patch, q->type);
-    return fail(
-        ERR_INPUT,
-        "%s:%d: patch %s: type is %s; allowed are slip, symmetry, symmetryPlane (walls), zeroGradient (grains leave), "
-        "fixedValue and others that give U (grains come in) and cyclic (with patches of type cyclic)",
-        file, q->line, patch, q->type);
+        return fail(ERR_INPUT,
+                    "%s:%d: patch %s: type is %s; walls of grains are smooth or rough: use  slip;  or  "
+                    "JohnsonJacksonSlip;",
+                    file, q->line, patch, q->type);
+    return fail(ERR_INPUT,
+                "%s:%d: patch %s: type is %s; allowed are slip, symmetry, symmetryPlane, JohnsonJacksonSlip (walls), "
+                "zeroGradient (grains leave), "
+                "fixedValue and others that give U (grains come in) and cyclic (with patches of type cyclic)",
+                file, q->line, patch, q->type);
 }
 
 static int patch_of(const struct polymesh *m, int face) {
@@ -62,7 +65,7 @@ static status look_at_side(const struct setup *s, const struct grains_models *m,
         if (p == last) continue;
         if (U) TRY(check_wall(s, m, U, p));
         if (last < 0) *restitution = m->restitution[p];
-        *alike = *alike && m->restitution[p] == *restitution;
+        *alike = *alike && m->restitution[p] == *restitution && !(m->rough[p].phi > 0);
         last = p;
     }
     return OK;
@@ -116,6 +119,9 @@ static status make_space(const struct setup *s, const struct grains_models *m, c
     }
     out->facets = mesh->facets;
     out->wall_restitution = m->restitution;
+    for (int p = 0; p < s->mesh->npatches; p++)
+        if (m->rough[p].phi > 0) out->rough = m->rough;
+    out->seed = (uint64_t)m->seed;
     for (int p = 0; p < s->mesh->npatches; p++) out->fed = out->fed || m->feeds[p];
     return OK;
 }
@@ -158,7 +164,9 @@ static void print_facets(FILE *f, const struct polymesh *m, const struct grains_
         if (models->open[p])
             fprintf(f, "    %-22s grains %s\n", patch->name, models->feeds[p] ? "come in" : "leave");
         else
-            fprintf(f, "    %-22s restitution %g\n", patch->name, models->restitution[p]);
+            fprintf(f, "    %-22s restitution %g", patch->name, models->restitution[p]);
+        if (models->rough[p].phi > 0) fprintf(f, ", %g of the impacts are diffuse", models->rough[p].phi);
+        if (!models->open[p]) fprintf(f, "\n");
     }
 }
 

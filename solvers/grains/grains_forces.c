@@ -11,9 +11,9 @@ struct grains_forces {
     const struct setup *setup;
     const struct grains_mesh *mesh;
     const struct grain_box *box;
-    double mass, depth; /* kg; m: of a plane mesh, else 1 */
-    double dt;          /* s: length of the last step */
-    double (*sum)[4];   /* [faces of patches] kg m/s along the solved axes, per depth; the last one energy lost, J */
+    double depth;     /* m: of a plane mesh, else 1 */
+    double dt;        /* s: length of the last step */
+    double (*sum)[4]; /* [faces of patches] kg m/s along the solved axes, per depth; the last one energy lost, J */
 };
 
 /* The face of the mesh that an impact on a wall hit, and the restitution there. */
@@ -36,15 +36,16 @@ static void observe(struct grain_observer *self, const struct grain_impact *i) {
     double e;
     double *sum = f->sum[face_of(f, i, &e) - f->setup->mesh->ninternal];
     for (int k = 0; k < f->box->dim; k++) sum[k] += i->impulse * i->normal[k];
-    sum[3] += 0.5 * (1 - e) / (1 + e) * i->impulse * i->impulse / f->mass;
+    for (int k = 0; k < f->box->dim && f->box->rough; k++) sum[k] += i->drag[k];
+    sum[3] += 0.5 * (1 - e) / (1 + e) * i->impulse * i->impulse / i->mass - i->work;
 }
 
 status grains_forces_make(const struct setup *s, const struct grains_mesh *mesh, const struct grain_box *box,
-                          double mass, struct grains_forces **out) {
+                          struct grains_forces **out) {
     double low[3], high[3];
     const long faces = s->mesh->nfaces - s->mesh->ninternal;
     TRY(allocate(out, 1, sizeof **out, "forces"));
-    **out = (struct grains_forces){.setup = s, .mesh = mesh, .box = box, .mass = mass, .depth = 1};
+    **out = (struct grains_forces){.setup = s, .mesh = mesh, .box = box, .depth = 1};
     (*out)->observer.impact = observe;
     polymesh_bounds(s->mesh, low, high);
     for (int k = s->dim; k < 3; k++) (*out)->depth *= high[s->axis[k]] - low[s->axis[k]];

@@ -8,9 +8,9 @@
 #include "solvers/grains/grains_box.h"
 
 struct grains_forces;
-/* mesh: NULL if the grains are in a box. mass (kg) is that of a grain. All is borrowed. */
+/* mesh: NULL if the grains are in a box. All is borrowed. */
 status grains_forces_make(const struct setup *s, const struct grains_mesh *mesh, const struct grain_box *box,
-                          double mass, struct grains_forces **out);
+                          struct grains_forces **out);
 void grains_forces_free(struct grains_forces *f);
 /* Begins a step; end says how long it was (s). */
 void grains_forces_begin(struct grains_forces *f);

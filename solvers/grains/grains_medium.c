@@ -126,7 +126,7 @@ static status medium_state(struct setup *s) {
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, x->models, saved, &x->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, x->start.field[i], time_is_original(&s->start)));
-    TRY(grains_start_walls(&x->start, s->mesh, x->models));
+    TRY(grains_start_walls(s, &x->start, x->models));
     bool fed;
     const bool open = grains_box_open(s, x->start.field[FIELD_U], x->models->open);
     TRY(grains_inlets_find(s, &x->start, x->models, &fed));
@@ -184,6 +184,8 @@ static status fit_saved(struct grains_run *x) {
     s->box.shear = x->box.shear;
     s->box.fed = x->box.fed;
     s->box.wall_restitution = x->box.wall_restitution;
+    s->box.rough = x->box.rough;
+    s->box.seed = x->box.seed;
     return OK;
 }
 
@@ -609,7 +611,7 @@ static status medium_save(const struct medium *m, const char *folder, const char
 
 static status medium_follow(struct medium *m, double *dt) {
     struct grains_run *x = of(m);
-    if (!x->forces) TRY(grains_forces_make(m->setup, x->mesh, &x->box, x->law.mass, &x->forces));
+    if (!x->forces) TRY(grains_forces_make(m->setup, x->mesh, &x->box, &x->forces));
     *dt = grains_forces_step(x->forces);
     return OK;
 }

@@ -57,8 +57,9 @@ static void widen(const struct setup *s, const double *point, double bounds[6]) 
 static status make_cells(struct grains_mesh *m) {
     const struct setup *s = m->setup;
     const struct polymesh *mesh = s->mesh;
-    double(*bounds)[6], *volume, low[3], high[3], depth = 1;
+    double(*bounds)[6], (*centre)[3], *volume, low[3], high[3], depth = 1;
     TRY(pool_take(&m->pool, &bounds, mesh->ncells, sizeof *bounds, "cells"));
+    TRY(pool_take(&m->pool, &centre, mesh->ncells, sizeof *centre, "cells"));
     TRY(pool_take(&m->pool, &volume, mesh->ncells, sizeof *volume, "cells"));
     polymesh_bounds(mesh, low, high);
     if (s->dim == 2) depth = high[flat_axis(s)] - low[flat_axis(s)];
@@ -68,6 +69,7 @@ static status make_cells(struct grains_mesh *m) {
     }
     for (int c = 0; c < mesh->ncells; c++) {
         volume[c] = s->volume[c] / depth;
+        for (int k = 0; k < s->dim; k++) centre[c][k] = s->centre[3L * c + s->axis[k]];
         for (int k = 0; k < 3; k++) {
             bounds[c][k] = HUGE_VAL;
             bounds[c][3 + k] = -HUGE_VAL;
@@ -79,7 +81,7 @@ static status make_cells(struct grains_mesh *m) {
             widen(s, point, bounds[mesh->owner[f]]);
             if (f < mesh->ninternal) widen(s, point, bounds[mesh->neighbour[f]]);
         }
-    m->base = (struct grain_mesh){mesh->ncells, volume, (const double(*)[6])bounds, locate};
+    m->base = (struct grain_mesh){mesh->ncells, volume, (const double(*)[3])centre, (const double(*)[6])bounds, locate};
     TRY(cell_sides_make(mesh, s->dim, s->axis, m->base.bounds, &m->sides));
     return m->sides ? OK : search_make(mesh, s->centre, s->dim, s->axis, &m->search);
 }

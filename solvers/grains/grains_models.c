@@ -271,6 +271,7 @@ static status read_all(const char *dir, const struct polymesh *mesh, int dim, co
     TRY(allocate(&m->restitution_line, mesh->npatches, sizeof(int), "walls"));
     TRY(allocate(&m->friction, mesh->npatches, sizeof(double), "walls"));
     TRY(allocate(&m->inlet_share, mesh->npatches, sizeof *m->inlet_share, "walls"));
+    TRY(allocate(&m->rough, mesh->npatches, sizeof *m->rough, "walls"));
     TRY(allocate(&m->inlet_line, mesh->npatches, sizeof(int), "walls"));
     for (int p = 0; p < mesh->npatches; p++) m->inlet_share[p][0] = 1;
     snprintf(path, sizeof path, "%s/constant/granularProperties", dir);
@@ -312,6 +313,7 @@ void grains_models_free(struct grains_models *m) {
     free(m->friction);
     free(m->inlet_share);
     free(m->inlet_line);
+    free(m->rough);
     free(m);
 }
 
@@ -347,9 +349,10 @@ static bool is_offered_all(const struct boundary_type *b) {
     return boundary_is_smooth(b) || !strcmp(b->model.name, "zeroGradient") || !strcmp(b->model.name, "granularWall");
 }
 
-/* Hard grains come in where values are given. */
+/* Hard grains come in where values are given, and some walls are rough. */
 static bool is_offered(const struct boundary_type *b) {
-    return is_offered_all(b) || (!boundary_is_wall(b) && b->giving != BY_RATE && boundary_value(b, 1));
+    return is_offered_all(b) || b == boundary_find("JohnsonJacksonSlip") ||
+           (!boundary_is_wall(b) && b->giving != BY_RATE && boundary_value(b, 1));
 }
 
 /* Walls of soft grains may be rough, but do not rotate. */
@@ -399,6 +402,8 @@ void grains_boundaries_list(FILE *f) {
             "grains of that state come in; also exprFixedValue, uniformFixedValue, inletOutlet");
     fprintf(f, "  %-14s %-16s %s\n", "granularWall", "T",
             "restitution e; of impacts on that wall, as in the gas (or walls of constant/particleProperties; else 1)");
+    fprintf(f, "  %-14s %-16s %s\n", "JohnsonJacksonSlip", "U",
+            "rough wall: the part specularityCoefficient of the impacts is diffuse; value: its velocity; T alike");
     fprintf(f, "  %-14s %-16s %s\n", "cyclic", "scalars, U", "periodic; on patches of type cyclic");
     fprintf(f, "  %-14s %-16s %s\n", "empty", "scalars, U", "the axis is not solved; on patches of type empty");
 }

@@ -24,14 +24,15 @@ struct grains_models {
     double (*inlet_share)[GRAIN_KINDS]; /* [npatches] the same of what comes in there */
     int *inlet_line;                    /* [npatches] where that was given, in constant/particleProperties; 0: not */
     enum coarse_kernel kernel;
-    double width, window;  /* m, s; window 0: fields are of a moment */
-    int samples;           /* moments in a window */
-    bool *open;            /* [npatches] do grains leave there? set by grains_box_open */
-    bool *feeds;           /* [npatches] do grains come in there, too? set by grains_inlets_find */
-    double *restitution;   /* [npatches] of impacts on each wall */
-    int *restitution_line; /* [npatches] in constant/particleProperties; 0: not given */
-    bool soft;             /* are the grains soft? Then the rest counts; restitution < 0: that of two grains */
-    double *friction;      /* [npatches]; < 0: that of two grains, or 0 where U slips */
+    double width, window;      /* m, s; window 0: fields are of a moment */
+    int samples;               /* moments in a window */
+    bool *open;                /* [npatches] do grains leave there? set by grains_box_open */
+    bool *feeds;               /* [npatches] do grains come in there, too? set by grains_inlets_find */
+    double *restitution;       /* [npatches] of impacts on each wall */
+    struct grain_rough *rough; /* [npatches] of hard grains; set by grains_start_walls */
+    int *restitution_line;     /* [npatches] in constant/particleProperties; 0: not given */
+    bool soft;                 /* are the grains soft? Then the rest counts; restitution < 0: that of two grains */
+    double *friction;          /* [npatches]; < 0: that of two grains, or 0 where U slips */
     struct soft_contact contact;
     double speed, fraction; /* m/s, -: impactSpeed (0: it is estimated), timeStepFraction */
 };

@@ -138,6 +138,10 @@ status grains_start_take(const struct setup *s, const struct grains_models *m, c
     return take(s, p->mesh, p->field[FIELD_T], 0, 1, &p->T);
 }
 
+static bool is_rough(const struct boundary_type *type) {
+    return type && type == boundary_find("JohnsonJacksonSlip");
+}
+
 status grains_start_check(const struct setup *s, const struct grains_models *m, const struct grains_start *p) {
     const struct polymesh *mesh = s->mesh;
     for (int k = 0; k < mesh->npatches; k++) {
@@ -146,10 +150,11 @@ status grains_start_check(const struct setup *s, const struct grains_models *m, 
             const struct field *f = i == FIELD_U ? NULL : p->field[i];
             const struct boundary_type *type = f ? boundary_find(f->patch[k].type) : NULL;
             if (m->soft && boundary_is_wall(type)) continue; /* its restitution counts */
+            if (i == FIELD_T && is_rough(type) && type == wall) continue;
             if (boundary_is_wall(wall) && boundary_gives(type) && type != boundary_find("granularWall"))
                 return fail(ERR_INPUT,
-                            "%s:%d: patch %s: U is '%s', a wall; walls of grains are smooth and give no heat: %s "
-                            "cannot be '%s' there, use zeroGradient, or granularWall for T",
+                            "%s:%d: patch %s: U is '%s', a wall; walls of grains give no heat: %s cannot be '%s' "
+                            "there, use zeroGradient, or granularWall for T",
                             dict_path(f->dict), f->patch[k].line, mesh->patch[k].name, wall->model.name, f->kind->name,
                             type->model.name);
         }
@@ -157,22 +162,59 @@ status grains_start_check(const struct setup *s, const struct grains_models *m, 
     return OK;
 }
 
-/* Returns the restitution that T gives on a patch: granularWall and, of soft grains, JohnsonJacksonSlip; NULL: none. */
-static const double *restitution_of(const struct grains_models *m, const struct patch_field *q) {
+/* Returns the parameter `key` of a patch; NULL: its type has none. */
+static const double *parameter(const struct patch_field *q, const char *key) {
     const struct boundary_type *type = boundary_find(q->type);
-    const char *key = type == boundary_find("granularWall")                    ? "restitution"
-                      : m->soft && type == boundary_find("JohnsonJacksonSlip") ? "restitutionCoefficient"
-                                                                               : "";
-    for (int i = 0; *key && i < type->model.nparam; i++)
+    for (int i = 0; type && i < type->model.nparam; i++)
         if (!strcmp(type->model.param[i].name, key))
             return q->params.room + type->model.param[i].offset / sizeof(double);
     return NULL;
 }
 
-status grains_start_walls(const struct grains_start *p, const struct polymesh *mesh, struct grains_models *m) {
-    const struct field *T = p->field[FIELD_T];
+/* Returns the restitution that T, or U, gives on a patch: granularWall and JohnsonJacksonSlip; NULL: none. */
+static const double *restitution_of(const struct patch_field *q) {
+    return parameter(q, is_rough(boundary_find(q->type)) ? "restitutionCoefficient" : "restitution");
+}
+
+/* Takes from U how rough a wall is, and its velocity, which is the same everywhere and along the wall. */
+static status take_rough(const struct setup *s, const struct grains_start *p, int k, struct grain_rough *out) {
+    const struct field *U = p->field[FIELD_U], *T = p->field[FIELD_T];
+    const struct patch_field *q = &U->patch[k];
+    const char *file = dict_path(U->dict), *patch = s->mesh->patch[k].name;
+    if (!is_rough(boundary_find(q->type))) return OK;
+    *out = (struct grain_rough){.phi = *parameter(q, "specularityCoefficient")};
+    for (int a = 0; a < s->dim; a++) out->u[a] = q->uniform[s->axis[a]];
+    if (q->values || q->varying)
+        return fail(ERR_INPUT, "%s:%d: patch %s: rough walls of grains move as a whole: give  value uniform (..);",
+                    file, q->line, patch);
+    const double *e = T ? restitution_of(&T->patch[k]) : NULL,
+                 *phi = T ? parameter(&T->patch[k], "specularityCoefficient") : NULL;
+    if ((e && *e != *restitution_of(q)) || (phi && *phi != out->phi))
+        return fail(ERR_INPUT, "%s:%d: patch %s: U and T have other coefficients of impacts: give the same", file,
+                    q->line, patch);
+    for (int i = 0; i < s->mesh->patch[k].nfaces; i++) {
+        double centre[3], area[3], across = 0, square = 0, speed = 0;
+        polymesh_one_face(s->mesh, s->mesh->patch[k].start + i, centre, area);
+        for (int a = 0; a < s->dim; a++) {
+            across += area[s->axis[a]] * out->u[a];
+            square += area[s->axis[a]] * area[s->axis[a]];
+            speed += out->u[a] * out->u[a];
+        }
+        if (fabs(across) > 1e-9 * sqrt(square * speed))
+            return fail(ERR_INPUT, "%s:%d: patch %s: a wall moves along itself, but this value leads across a face",
+                        file, q->value_line, patch);
+    }
+    return OK;
+}
+
+status grains_start_walls(const struct setup *s, const struct grains_start *p, struct grains_models *m) {
+    const struct polymesh *mesh = s->mesh;
+    const struct field *T = p->field[FIELD_T], *U = p->field[FIELD_U];
     for (int k = 0; T && k < mesh->npatches; k++) {
-        const double *given = restitution_of(m, &T->patch[k]), e = given ? *given : 0;
+        const double *given = restitution_of(&T->patch[k]);
+        if (!m->soft) TRY(take_rough(s, p, k, &m->rough[k]));
+        if (!m->soft && !given && is_rough(boundary_find(U->patch[k].type))) given = restitution_of(&U->patch[k]);
+        const double e = given ? *given : 0;
         if (!given) continue;
         if (m->restitution_line[k] && m->restitution[k] != e)
             return fail(ERR_INPUT,

@@ -21,9 +21,9 @@ void grains_files(struct setup *s, const struct grains_models *m); /* notes what
 status grains_start_read(const struct setup *s, const struct grains_models *m, bool saved, struct grains_start *out);
 status grains_start_take(const struct setup *s, const struct grains_models *m, const struct grains_mesh *mesh,
                          bool saved, struct grains_start *p);
-/* Takes the restitution of walls from T, where it is granularWall or, of soft grains, JohnsonJacksonSlip; fails if
- * particleProperties says another. */
-status grains_start_walls(const struct grains_start *p, const struct polymesh *mesh, struct grains_models *m);
+/* Takes the restitution of walls from T, where it is granularWall or JohnsonJacksonSlip, and of hard grains how rough
+ * they are from U; fails if particleProperties or the other field says something else. */
+status grains_start_walls(const struct setup *s, const struct grains_start *p, struct grains_models *m);
 /* Fails if a scalar has another value on a wall. */
 status grains_start_check(const struct setup *s, const struct grains_models *m, const struct grains_start *p);
 void grains_start_free(struct grains_start *p);

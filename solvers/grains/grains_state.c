@@ -35,6 +35,8 @@ void grains_state_walls(const struct grain_box *b, double out[3]) {
     if (!b->facets) return;
     const size_t bytes = (size_t)b->facets->space.walls * sizeof(double);
     for (size_t i = 0; i < bytes; i++) sum = (sum ^ ((const unsigned char *)b->wall_restitution)[i]) * 16777619u;
+    const size_t more = b->rough ? (size_t)b->facets->space.walls * sizeof *b->rough : 0;
+    for (size_t i = 0; i < more; i++) sum = (sum ^ ((const unsigned char *)b->rough)[i]) * 16777619u;
     out[0] = (b->fed ? 3. : b->facets->opens ? 2. : 1.) * b->facets->space.walls;
     out[1] = (double)b->facets->sum;
     out[2] = sum;

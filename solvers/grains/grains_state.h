@@ -37,7 +37,7 @@ struct grains_state {
     struct pool pool; /* has the lists of a state that was read */
 };
 /* Turns walls of facets into numbers: how many (twice with open ones, three times if they are fed), checksums of their
- * shape and of their restitution. A sheared box has 1, the shear rate, -1; any other zeros. */
+ * shape and of their restitution and roughness. A sheared box has 1, the shear rate, -1; any other zeros. */
 void grains_state_walls(const struct grain_box *b, double out[3]);
 /* Were the events predicted under this box and law? */
 bool grains_state_same(const struct grains_state *s, const struct grain_box *box, const struct grain_law *law);

@@ -114,11 +114,6 @@ class RoughWalls(harness.Folder, unittest.TestCase):
             with self.subTest(words=words):
                 self.refused(lambda case: replace(case, file, old, new), *words)
 
-    def test_grains(self):
-        """Walls of grains are smooth."""
-        self.refused(lambda case: harness.edit(case, "system/controlDict", application="granularMD"),
-                     "type is JohnsonJacksonSlip; walls of grains are smooth: use  slip;", program="granularMD")
-
 
 if __name__ == "__main__":
     unittest.main()

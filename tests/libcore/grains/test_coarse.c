@@ -402,6 +402,119 @@ static void resumed(void **state) {
     coarse_free(b);
 }
 
+/* ---- kernels on a mesh: columns of unequal widths, and rows of unequal heights; axis 0 may be periodic */
+
+enum { COLUMNS = 24, ROWS = 9 };
+struct uneven {
+    struct grain_mesh base; /* first */
+    double edge[2][COLUMNS + 1], volume[COLUMNS * ROWS], centre[COLUMNS * ROWS][3];
+};
+static long uneven_locate(const struct grain_mesh *self, const double x[3], bool *inside) {
+    const struct uneven *m = (const struct uneven *)self;
+    int at[2] = {0, 0};
+    *inside = true;
+    while (at[0] < COLUMNS - 1 && x[0] >= m->edge[0][at[0] + 1]) at[0]++;
+    while (at[1] < ROWS - 1 && x[1] >= m->edge[1][at[1] + 1]) at[1]++;
+    return at[0] + COLUMNS * at[1];
+}
+static void uneven_make(struct uneven *m, bool even) {
+    for (int i = 0; i < COLUMNS; i++) m->edge[0][i + 1] = m->edge[0][i] + (even ? 1 : 1 + i % 3);
+    for (int i = 0; i < ROWS; i++) m->edge[1][i + 1] = m->edge[1][i] + (even ? 1 : 1 + i % 2);
+    for (int i = 0; i < COLUMNS * ROWS; i++) {
+        const double *x = &m->edge[0][i % COLUMNS], *y = &m->edge[1][i / COLUMNS];
+        m->volume[i] = (x[1] - x[0]) * (y[1] - y[0]);
+        m->centre[i][0] = 0.5 * (x[0] + x[1]);
+        m->centre[i][1] = 0.5 * (y[0] + y[1]);
+    }
+    m->base = (struct grain_mesh){.cells = COLUMNS * ROWS, .volume = m->volume, .locate = uneven_locate};
+    m->base.centre = (const double(*)[3])m->centre;
+}
+static struct coarse_grid grid_around(const struct uneven *m, enum coarse_kernel kernel, double width, bool periodic) {
+    return (struct coarse_grid){.dim = 2,
+                                .n = {1, 1, 1},
+                                .h = {m->edge[0][COLUMNS], m->edge[1][ROWS], 1},
+                                .periodic = {periodic, false, false},
+                                .kernel = kernel,
+                                .width = width,
+                                .mass = 2,
+                                .diameter = 0.1,
+                                .mesh = &m->base};
+}
+
+/* Uniform grains of one velocity give uniform fields with T = 0; of a random cloud mass, momentum and energy stay */
+static void mesh_totals(void **state) {
+    (void)state;
+    struct uneven *m = calloc(1, sizeof *m);
+    uneven_make(m, false);
+    for (int i = 0; i < 12; i++) {
+        const struct coarse_grid g =
+            grid_around(m, i % 2 ? COARSE_GAUSSIAN : COARSE_HEAVISIDE, (double[]){0.3, 1.7, 12}[i / 2 % 3], i >= 6);
+        struct coarse *c;
+        double rho[COLUMNS * ROWS], T[COLUMNS * ROWS], U[2][COLUMNS * ROWS], mass = 0, energy = 0, momentum = 0;
+        ok(coarse_make(&g, &c));
+        for (double x = 0.25; x < g.h[0]; x += 0.5) /* four in a unit of volume */
+            for (double y = 0.25; y < g.h[1]; y += 0.5)
+                coarse_sample(c, 1, (const double[1][3]){{x, y, 0}}, (const double[1][3]){{3e5, -7, 0}}, NULL);
+        coarse_sums(c)[coarse_size(c) - 1] = 1; /* at one moment */
+        coarse_value(c, 0, COARSE_RHO, (double *const[3]){rho});
+        coarse_value(c, 0, COARSE_T, (double *const[3]){T});
+        for (int j = 0; j < COLUMNS * ROWS; j++) {
+            near(rho[j], 8, 8, 1e-11);
+            near(T[j], 0, 1, 0);
+        }
+        coarse_clear(c);
+        unsigned long seed = 5;
+        for (int j = 0; j < GRAINS; j++) {
+            const double x[1][3] = {{g.h[0] * uniform(&seed), g.h[1] * uniform(&seed), 0}};
+            const double u[1][3] = {{uniform(&seed), 3 * uniform(&seed) - 1, 0}};
+            coarse_sample(c, 1, x, u, NULL);
+            energy -= 0.5 * 2 * (u[0][0] * u[0][0] + u[0][1] * u[0][1]);
+            momentum -= 2 * u[0][1];
+        }
+        const double still = energy;
+        coarse_sums(c)[coarse_size(c) - 1] = 1;
+        coarse_value(c, 0, COARSE_RHO, (double *const[3]){rho});
+        coarse_value(c, 0, COARSE_T, (double *const[3]){T});
+        coarse_value(c, 0, COARSE_U, (double *const[3]){U[0], U[1]});
+        for (int j = 0; j < COLUMNS * ROWS; j++) {
+            const double here = rho[j] * m->volume[j];
+            mass += here;
+            momentum += here * U[1][j];
+            energy += here * (T[j] + 0.5 * (U[0][j] * U[0][j] + U[1][j] * U[1][j]));
+        }
+        near(mass, 2 * GRAINS, 2 * GRAINS, round_off);
+        near(momentum, 0, 2 * GRAINS, round_off);
+        near(energy, 0, -still, round_off);
+        coarse_free(c);
+    }
+    free(m);
+}
+
+/* One grain in the middle of equal cells: what cells get falls as the kernel does */
+static void mesh_shape(void **state) {
+    (void)state;
+    struct uneven *m = calloc(1, sizeof *m);
+    uneven_make(m, true);
+    for (int kernel = COARSE_HEAVISIDE; kernel <= COARSE_GAUSSIAN; kernel++) {
+        const struct coarse_grid g =
+            grid_around(m, (enum coarse_kernel)kernel, kernel == COARSE_GAUSSIAN ? 1.2 : 3.5, true);
+        struct coarse *c;
+        double rho[COLUMNS * ROWS];
+        ok(coarse_make(&g, &c));
+        coarse_sample(c, 1, (const double[1][3]){{0.5, 4.5, 0}}, (const double[1][3]){{0}}, NULL);
+        coarse_value(c, 0, COARSE_RHO, (double *const[3]){rho});
+        const double *row = rho + 4 * COLUMNS;
+        for (int j = 1; j < 4; j++) {
+            near(row[COLUMNS - j], row[j], row[0], round_off); /* across the periodic end */
+            if (kernel == COARSE_GAUSSIAN) near(row[j] / row[0], exp(-0.5 * j * j / 1.44), 1, 1e-2);
+            if (kernel == COARSE_HEAVISIDE) near(row[j], row[0], row[0], 0.1);
+        }
+        near(row[4], 0, row[0], 0.02);
+        coarse_free(c);
+    }
+    free(m);
+}
+
 static void refused(void **state) {
     (void)state;
     struct coarse *c;
@@ -419,9 +532,10 @@ static void refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(totals),  cmocka_unit_test(kernels), cmocka_unit_test(narrow),         cmocka_unit_test(shear),
-        cmocka_unit_test(cold),    cmocka_unit_test(impacts), cmocka_unit_test(impact_kernels), cmocka_unit_test(order),
-        cmocka_unit_test(resumed), cmocka_unit_test(refused),
+        cmocka_unit_test(totals),         cmocka_unit_test(kernels),     cmocka_unit_test(narrow),
+        cmocka_unit_test(shear),          cmocka_unit_test(cold),        cmocka_unit_test(impacts),
+        cmocka_unit_test(impact_kernels), cmocka_unit_test(order),       cmocka_unit_test(resumed),
+        cmocka_unit_test(refused),        cmocka_unit_test(mesh_totals), cmocka_unit_test(mesh_shape),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
