@@ -144,6 +144,7 @@ SHIPPED = {
     "wedge15Dilute": Row("wedge15Dilute", {"N": 12}, ended(0.2)),
     "wedgeDense": Row("wedgeDense", {"N": 60}, ended(0.0412)),
     "wedgeDisks": Row("wedgeDisks", {"N": 15}, ended(20)),
+    "wedgeMD": Row("wedgeMD", {"N": 32}, ended(0.0425)),
     "wedgeElastic": Row("wedgeElastic", {"N": 60}, ended(0.1)),
     "wedgeTriangles": Row("wedgeTriangles", {"N": 30}, ended(0.0425)),
 }
