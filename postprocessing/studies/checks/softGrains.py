@@ -70,7 +70,7 @@ PLAIN = {
     "reach of 99 % of the mass": reach,
     "height at the wall": height,
     "grains that leave in a second": outflow,
-    "velocity along x at height": velocity,
+    "mean velocity along x at height": velocity,
     "velocity at 7.5 mm less that at 0.5 mm": shear,
 }
 QUANTITIES = {
