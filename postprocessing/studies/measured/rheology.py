@@ -11,7 +11,7 @@ DIAMETER, DENSITY = 1e-3, 2600.0  # m, kg/m^3
 LAYER, BULK = 1e-3, (3.4e-3, 9.6e-3)  # m: thickness of a layer; heights on a rough slope away from floor and surface
 DYNAMIC = 1.0  # muDynamic
 STOPS = 0.03  # inertial number: below it flows come to rest
-SLOPES = "21", "23", "24.5", "26", "29", "32"  # degrees: copies rough21 and so on of chuteDEM
+SLOPES = "21", "22", "23", "24.5", "26", "29", "32"  # degrees: copies rough21 and so on of chuteDEM
 
 
 def layers(case, times):
