@@ -1,7 +1,8 @@
-// A silo 20 mm wide and 40 mm high over a plate 2 mm thick with an orifice of W diameters, 4 mm deep, and the room below, 6 mm
-// high and open downwards. Cells of half a diameter.
-DefineConstant[ W = {6, Min 4, Step 2, Name "orifice in mm"} ];
-B = 0.01;   O = W*5e-4;   H = 0.04;   P = 0.002;   R = 0.008;   C = 5e-4;
+// A silo 20 mm wide and 40 mm high over a plate P thick with an orifice of W diameters, 4 mm deep, and the room below, 6 mm
+// high and open downwards. Cells of C.
+DefineConstant[ C = {5e-4, Min 5e-4, Step 5e-4, Name "cell"}, P = {0.002, Min 0.002, Step 1e-3, Name "thickness of the plate"},
+                W = {6, Min 4, Step 2, Name "orifice in mm"} ];
+B = 0.01;   O = W*5e-4;   H = 0.04;   R = P + 0.006;
 
 Point(1) = {-B, -R, 0};   Point(2) = {-O, -R, 0};   Point(3) = {O, -R, 0};   Point(4) = {B, -R, 0};
 Point(5) = {-B, -P, 0};   Point(6) = {-O, -P, 0};   Point(7) = {O, -P, 0};   Point(8) = {B, -P, 0};
@@ -37,7 +38,7 @@ Recombine Surface {1:7};
 
 back[] = {1:7};
 For i In {0:6}
-  piece[] = Extrude {0, 0, 0.004} { Surface{back[i]}; Layers{8}; Recombine; };
+  piece[] = Extrude {0, 0, 0.004} { Surface{back[i]}; Layers{Round(0.004/C)}; Recombine; };
   front[] += piece[0];
   volume[] += piece[1];
   // the sides of a piece stand in the order of its curve loop

@@ -35,7 +35,7 @@ ROUND_OFF = 1e-9  # over the greatest value: below it a value counts as 0
 KINDS = {
     "exact": "an exact solution, a law, or a boundary value problem solved to round-off",
     "paper": "a number that a paper prints",
-    "grains": "the grains of granularMD",
+    "grains": "the grains of granularMD or granularDEM",
     "peer": "another program",
     "own": "haff itself: another grid, scheme or commit, so that a change is noticed",
 }
