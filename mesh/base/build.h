@@ -7,8 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-const char *build_version(void); /* "0.2.0 (git hash)" */
-const char *build_number(void);  /* "0.2.0" */
+const char *build_version(void); /* "0.3.0 (git hash)" */
+const char *build_number(void);  /* "0.3.0" */
 /* Compiler, version and flags. */
 const char *build_compiler(void);
 bool build_petsc(void); /* was PETSc there, so that haffimplicit.so was built? */

@@ -11,7 +11,7 @@ import sys
 
 from haff.paths import TOP, lacking, program
 
-VERSION = "0.2.0"  # CMakeLists.txt has it, too
+VERSION = "0.3.0"  # CMakeLists.txt has it, too
 
 
 def parser(text, **others):

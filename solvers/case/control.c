@@ -28,10 +28,10 @@ static const char *const zips[] = {"off", "on", "no", "yes",          "false",  
 const struct param control_table[] = {
     NOTED("application", "word: granularGas, granularMD, granularDEM, granularSegregation", "the program that runs",
           "whose case it is: the others refuse it", "application granularGas;"),
-    NOTED("haffVersion", "version: 0.2, 0.2.0", "none: as these programs",
+    NOTED("haffVersion", "version: 0.3, 0.3.0", "none: as these programs",
           "version of haff that the case was written for: a newer one is refused, and where an entry that is left out "
           "meant another thing there, the warning olderVersion says so",
-          "haffVersion 0.2;"),
+          "haffVersion 0.3;"),
     CHOICE("startFrom", start_from, START_LATEST, starts,
            "time folder to start from; startTime: that of the keyword startTime"),
     NUMBER("startTime", start_time, 0, ANY_NUMBER, UNIT(0, 0, 1), "time to start from, with startFrom startTime"),

@@ -53,6 +53,12 @@ static const struct change changes[] = {
      {"fvSchemes", "commonCoeffs"},
      "strong shocks, steep expansions and dense contacts on lattices follow rules of their own",
      "commonCoeffs { shocks off; expansions off; contacts off; }"},
+    {{0, 3},
+     "granularGas",
+     {"fvSchemes", "fluxScheme", "common"},
+     {"fvSchemes", "commonCoeffs"},
+     "entropy and shears are damped beside fronts of shocks in 2D and 3D",
+     "commonCoeffs { fronts off; }"},
 };
 
 static bool is_older(struct version a, struct version b) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The version of haff that a case was written for: `haffVersion 0.2;` of system/controlDict. A case of a newer version
+/* The version of haff that a case was written for: `haffVersion 0.3;` of system/controlDict. A case of a newer version
  * is refused; where an entry that an older case leaves out means another thing since, there is a warning. */
 #ifndef SOLVERS_VERSION_H
 #define SOLVERS_VERSION_H

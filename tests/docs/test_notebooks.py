@@ -57,6 +57,8 @@ class Notebooks(harness.Folder, unittest.TestCase):
         self.assertAlmostEqual(float(re.search(r"at the start: ([\d.]+)", said)[1]), 1.5, delta=1e-3)
         inelastic, elastic = map(float, re.search(r"e = 0.9 and e = 1: ([\d.]+) ([\d.]+)", said).groups())
         self.assertTrue(0.6 < inelastic < 0.65 and elastic < 0.3, said)
+        packed, time = map(float, re.search(r"volume fraction ([\d.]+) at t = ([\d.]+)", said).groups())
+        self.assertTrue(0.5 <= packed < 0.55 and 0.1 < time < 0.2, said)
 
     def test_sweep(self):
         """Less energy is left where collisions take more, by more than the error bars."""

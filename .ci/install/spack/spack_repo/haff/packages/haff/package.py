@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A package for Spack 1.0, built from this tree:  spack repo add .ci/install/spack/spack_repo/haff && spack dev-build haff@0.2.0"""
+"""A package for Spack 1.0, built from this tree:  spack repo add .ci/install/spack/spack_repo/haff && spack dev-build haff@0.3.0"""
 from spack_repo.builtin.build_systems.cmake import CMakePackage
 
 from spack.package import *
@@ -9,7 +9,7 @@ class Haff(CMakePackage):
     """Hydrodynamics of granular gases: the equations of rapid granular flow on lattices and polyhedral meshes, and event-driven grains."""
 
     license("GPL-3.0-or-later")
-    version("0.2.0")  # a release has url and sha256, too
+    version("0.3.0")  # a release has url and sha256, too
 
     variant("petsc", default=True, description="Implicit diffusion")
     variant("python", default=True, description="Packages that the commands haff, haffPlot, haffMovie, haffLog and newCase need")
