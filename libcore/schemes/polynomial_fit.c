@@ -16,9 +16,17 @@ struct point_list { /* face points of the cells */
     int *entry;     /* 2 point + side */
 };
 
+/* A logarithm has other last digits in another unit: the root of 1/2 to 4 times a power of 8 has not, but for that. */
+static double cube_root(double volume) {
+    int exponent;
+    const double part = frexp(volume, &exponent);
+    const int over = (exponent % 3 + 3) % 3;
+    return ldexp(power(ldexp(part, over), 1. / 3), (exponent - over) / 3);
+}
+
 static double unit(const struct polyhedra *m, int i) { /* h = volume^(1/dim), the same bits everywhere */
     double volume = m->round.radial >= 0 ? m->volume[i] / m->round.radius[i] : m->volume[i];
-    return m->dim == 1 ? volume : m->dim == 2 ? sqrt(volume) : power(volume, 1. / 3);
+    return m->dim == 1 ? volume : m->dim == 2 ? sqrt(volume) : cube_root(volume);
 }
 static int smallest(int a, int b) {
     return a < b ? a : b;

@@ -78,7 +78,7 @@ struct block_reader {
 
 static status read_vertices(struct block_reader *r) {
     const double *given;
-    double scale = 1;
+    double scale = 1, most = 0;
     TRY(dict_number_or(r->d, "convertToMeters", NULL, 1, &scale));
     TRY(dict_number_or(r->d, "scale", NULL, scale, &scale));
     if (!(scale > 0))
@@ -89,7 +89,11 @@ static status read_vertices(struct block_reader *r) {
         r->vertex[i] = scale * given[i];
         if (!(fabs(r->vertex[i]) <= FAR))
             return dict_fail(r->d, "vertices", "vertex %ld lies beyond %g m: volumes would be no numbers", i / 3, FAR);
+        most = fmax(most, fabs(r->vertex[i]));
     }
+    if (most < LEAST_NUMBER)
+        return dict_fail(r->d, "vertices", "all lie within %g m: volumes would be 0; is the scale right?",
+                         LEAST_NUMBER);
     return OK;
 }
 

@@ -204,8 +204,8 @@ static status take_grains(struct dem_engine *e, struct dem_moment *m) {
     m->n = (int)n;
     for (int i = 0; i < n; i++) {
         TRY(lammps_row(e->lammps, DEM_COLUMNS, row));
+        if (!(row[0] >= 1 && row[0] <= e->nold)) return fail(ERR_SYSTEM, "LAMMPS has a grain of number %g", row[0]);
         m->id[i] = (int)row[0];
-        if (m->id[i] < 1 || m->id[i] > e->nold) return fail(ERR_SYSTEM, "LAMMPS has a grain of number %d", m->id[i]);
         e->index[m->id[i]] = i;
         for (int k = 0; k < 3; k++) {
             m->x[i][k] = row[1 + k];

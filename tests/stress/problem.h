@@ -31,7 +31,10 @@ struct gate { /* of an open side; NULL: zeroGradient */
     bool pressure, shut; /* shut: it is a wall all the same */
 };
 
+struct view;
 struct problem {
+    const struct problem *seen; /* the one that was drawn, if this is seen in another way (view.h); else NULL */
+    const struct view *view;    /* NULL: as it was drawn */
     int family;
     uint64_t seed;
     int dim, n[3], cells;
@@ -64,7 +67,7 @@ struct problem {
     bool stated;     /* may it end with a stated cause other than a collapse? */
     double duration; /* in time steps of the initial state at maxCo 1: waves cross much of the box */
     double end;      /* s: the end, in place of duration; 0: that counts */
-    int steps;       /* it ends after this number of times the first step, if that is sooner than `end`; 0: it does not */
+    int steps; /* it ends after this number of times the first step, if that is sooner than `end`; 0: it does not */
 
     double p0;               /* pressure scale, Pa */
     double direction[3];     /* unit */

@@ -6,6 +6,7 @@
 #include "solvers/gas/linear.h"
 #include "tests/defaults.h"
 #include "tests/stress/contact.h"
+#include "tests/stress/view.h"
 #include "tests/stress/watch.h"
 
 #include <stdio.h>
@@ -20,12 +21,13 @@ struct scene { /* the mesh and the gas of a problem */
     struct forest *forest;
     struct sample sample;
     double *centre, *volume; /* polyhedral: [cells][3], [cells] */
+    double *place;           /* [cells][3] centres of polyhedra as they were drawn */
     struct grid *grid;
     struct gas *gas;
 };
 
 static bool is_periodic(const struct problem *p, int axis) {
-    return p->edge == PERIODIC && axis != p->radial && !(axis == 0 && p->walls_along);
+    return p->edge == PERIODIC && axis != p->radial && !(view_axis(p, axis) == 0 && p->walls_along);
 }
 
 static void set_wall(const struct wall *w, int axis, struct patch_rules *rules) {
@@ -77,12 +79,16 @@ static void set_models(struct scene *s, const struct scheme *scheme, const struc
                                     .swirl = p->swirl};
     set_linear(&s->models);
     for (int i = 0; i < 6; i++) {
-        bool open = p->edge == OPEN_ENDED && !(i < 2 && p->walls_along) && !p->gate[i].shut;
+        const int drawn = view_patch(p, i);
+        bool open = p->edge == OPEN_ENDED && !(drawn < 2 && p->walls_along) && !p->gate[drawn].shut;
         s->rules[i] = (struct patch_rules){.density = {.type = NULL}};
         s->rules[i].density.type = s->rules[i].temperature.type = boundary_find("zeroGradient");
         s->rules[i].velocity.type = boundary_find(open ? "zeroGradient" : "slip");
-        if (!open && p->wall[i].velocity) set_wall(&p->wall[i], i / 2, &s->rules[i]);
-        if (open && p->gate[i].velocity) set_gate(&p->gate[i], &s->rules[i]);
+        if (!open && p->wall[drawn].velocity) set_wall(&p->wall[drawn], drawn / 2, &s->rules[i]);
+        if (open && p->gate[drawn].velocity) set_gate(&p->gate[drawn], &s->rules[i]);
+        struct rule *u = &s->rules[i].velocity;
+        view_turn(p, u->uniform);
+        if (u->type != boundary_find("JohnsonJacksonSlip")) view_turn(p, u->params.room);
     }
 }
 
@@ -158,7 +164,7 @@ static status make_polyhedra(struct scene *s) {
     status fault = OK;
     for (int tries = 0; tries < 8; tries++, sliver *= tries < 7 ? 0.7 : 0) {
         status_free(fault);
-        fault = make_sample(s->problem, sliver, &s->sample);
+        fault = make_sample(view_origin(s->problem), sliver, &s->sample);
         if (!fault) break;
         sample_free(&s->sample);
         s->sample = (struct sample){.mesh = NULL};
@@ -169,9 +175,15 @@ static status make_polyhedra(struct scene *s) {
     double *face;
     s->cells = m->ncells;
     TRY(allocate(&face, 6L * m->nfaces, sizeof *face, "faces"));
-    status e = allocate(&s->centre, 4L * m->ncells, sizeof *s->centre, "cells");
+    status e = allocate(&s->centre, 7L * m->ncells, sizeof *s->centre, "cells");
     if (!e) {
         s->volume = s->centre + 3L * m->ncells;
+        s->place = s->volume + m->ncells;
+        polymesh_face_geometry(m, face, face + 3L * m->nfaces);
+        e = polymesh_cell_geometry(m, face, face + 3L * m->nfaces, s->place, s->volume);
+    }
+    if (!e) e = view_mesh(s->problem, m, s->place);
+    if (!e) {
         polymesh_face_geometry(m, face, face + 3L * m->nfaces);
         e = polymesh_cell_geometry(m, face, face + 3L * m->nfaces, s->centre, s->volume);
     }
@@ -182,7 +194,8 @@ static status make_polyhedra(struct scene *s) {
 
 static status make_lattice(struct scene *s) {
     const struct problem *p = s->problem;
-    const double length[3] = {1, 1 / p->squash, 1 / p->squash};
+    double length[3];
+    for (int k = 0; k < 3; k++) length[k] = (view_axis(p, k) == 0 ? 1 : 1 / p->squash) * (p->view ? p->view->m : 1);
     const bool wrapped[3] = {is_periodic(p, 0), is_periodic(p, 1), is_periodic(p, 2)};
     TRY(box_make(&s->box, p->dim, p->n, length, wrapped));
     s->box.mesh.round = round_of(p);
@@ -222,11 +235,12 @@ static long mirror_cell(const struct problem *p, long cell) {
     return cell + (long)stride * (p->n[axial] - 1 - 2 * at);
 }
 
+/* cell: of polyhedra, or the one that was drawn. */
 static void place_of(const struct scene *s, long cell, double x[3]) {
-    const struct problem *p = s->problem;
+    const struct problem *p = view_origin(s->problem);
     const long at[3] = {cell % p->n[0], cell / p->n[0] % p->n[1], cell / p->n[0] / p->n[1]};
     for (int k = 0; k < 3; k++) {
-        x[k] = s->centre ? s->centre[3 * cell + k] * (k > 0 ? p->squash : 1) : ((double)at[k] + 0.5) / p->n[k];
+        x[k] = s->place ? s->place[3 * cell + k] * (k > 0 ? p->squash : 1) : ((double)at[k] + 0.5) / p->n[k];
         x[k] = smaller(larger(x[k], 0), 1 - 1e-12);
     }
 }
@@ -238,8 +252,10 @@ static status fill(struct scene *s, double *packed) {
     for (int k = 0; k < 3; k++) u[k] = all + (2 + k) * n;
     for (int i = 0; i < n; i++) {
         double x[3], v[3];
-        place_of(s, s->problem->mirrored ? mirror_cell(s->problem, i) : i, x);
-        problem_state(s->problem, x, &all[i], v, &all[n + i]);
+        const long drawn = s->place ? i : view_cell(s->problem, n, i);
+        place_of(s, s->problem->mirrored ? mirror_cell(s->problem, i) : drawn, x);
+        problem_state(view_origin(s->problem), x, &all[i], v, &all[n + i]);
+        view_start(s->problem, view_cell(s->problem, n, i), &all[i], v, &all[n + i]);
         if (s->problem->mirrored) v[1 - s->problem->radial] = -v[1 - s->problem->radial];
         *packed = larger(*packed, all[i] / s->gas->limits.most);
         for (int k = 0; k < 3; k++) u[k][i] = v[k];
@@ -265,7 +281,7 @@ static uint64_t image_of(const struct problem *p, long n, double *const U[MAX_VA
 }
 
 /* Root's state and its checksum (FNV-1a), the same on all ranks. */
-static status look_at_end(const struct scene *s, struct outcome *out) {
+static status look_at_end(const struct scene *s, bool keep, struct outcome *out) {
     long n = s->cells;
     double *all, *U[MAX_VAR], limit = s->gas->limits.most;
     TRY(allocate(&all, MAX_VAR * n, sizeof *all, "the state"));
@@ -276,6 +292,9 @@ static status look_at_end(const struct scene *s, struct outcome *out) {
     for (long i = 0; i < gas_variables(s->gas) * n; i++) out->checksum = hash_on(out->checksum, all[i]);
     if (s->forest && s->problem->radial >= 0) out->image = image_of(s->problem, n, U, gas_variables(s->gas));
     for (long i = 0; i < n; i++) out->packed = larger(out->packed, all[i] / limit);
+    out->variables = gas_variables(s->gas);
+    if (keep && !e) e = allocate(&out->state, n * out->variables, sizeof *out->state, "the state");
+    if (keep && !e) view_end(s->problem, n, out->variables, U, out->state);
     free(all);
     return e;
 }
@@ -557,7 +576,7 @@ static status run(struct scene *s, const struct scheme *scheme, const struct run
     if (!o->bare) TRY(watch_start(&w, s->gas));
     if (!o->bare && (dilates(s) || s->gas->dense || is_open(s->problem))) TRY(gas_audit(s->gas));
     status e = advance(s, scheme, o, &w, out);
-    status ended = look_at_end(s, out);
+    status ended = look_at_end(s, o->keep, out);
     out->cells = s->cells;
     out->counts = gas_counts(s->gas);
     if (e) set_verdict(out, verdict_of(status_text(e)), status_text(e));

@@ -17,6 +17,7 @@ struct run_options {
     bool explicit;   /* sound limits dt everywhere */
     int restart;     /* a restart ahead of this step; 0: none */
     bool verbose;    /* a line per step */
+    bool keep;       /* outcome has the last state */
 };
 enum verdict { FINISHED, CAPPED, COLLAPSED, STATED, FAILED, VERDICTS };
 enum conserved { MASS, MOMENTUM, ENERGY, CONSERVED };
@@ -39,6 +40,8 @@ struct outcome {
     double source;              /* worst difference of a source step from the exact one, in units of its bound */
     uint64_t checksum;          /* of the last state */
     uint64_t image;             /* on round lattices: the same in the mirror image */
+    double *state;              /* [variables][cells] if it is to be kept; for free() */
+    int variables;
 };
 /* A status is an error of the test itself: a mesh that cannot be made. */
 status stress_run(const struct problem *p, const struct scheme *s, const struct run_options *o, const struct comm *c,

@@ -2,6 +2,7 @@
 /* Thousands of small random problems, each of which must end well: see README.md. */
 #include "tests/stress/run.h"
 #include "tests/stress/table.h"
+#include "tests/stress/view.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -11,7 +12,7 @@
 
 static const char usage[] =
     "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare] "
-    "[-full] [-explicit]\n"
+    "[-full] [-explicit] [-views]\n"
     "       [-cap STEPS] [-fraction F] [-verbose] [-names]\n"
     "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
     "one\n"
@@ -24,8 +25,8 @@ struct request {
     struct scheme scheme;
     const char *problem, *list, *table;
     uint64_t from;
-    long count, schemes; /* schemes: problems with each of the others */
-    bool checksums, export;
+    long count, schemes;           /* schemes: problems with each of the others */
+    bool checksums, export, views; /* views: compares with those of view.h */
 };
 
 static bool parse_scheme(char *text, struct scheme *s) {
@@ -51,6 +52,8 @@ static bool parse(int argc, char **argv, struct request *r) {
             r->run.explicit = true, used = false;
         else if (!strcmp(a, "-verbose"))
             r->run.verbose = true, used = false;
+        else if (!strcmp(a, "-views"))
+            r->views = true, used = false;
         else if (!strcmp(a, "-checksums"))
             r->checksums = true, used = false;
         else if (!strcmp(a, "-export"))
@@ -179,6 +182,7 @@ static status one(const struct request *r, const struct comm *c, int family, uin
     struct problem p = problem_draw(family, seed);
     watch_clock(family_table[family].name, seed);
     TRY(stress_run(&p, s, &r->run, c, &o));
+    if (r->views) TRY(views_compare(&p, s, &r->run, c, &o));
     (void)alarm(0);
     table_add(t, &p, s, &o);
     *failed += o.verdict == FAILED;

@@ -314,6 +314,7 @@ class Refusals(harness.Folder, unittest.TestCase):
         ("name walls", "name inlet", r":LINE: key 'name' is inlet; `boundary` has a patch of that name, too"),
         ("edges ();", "edgs ();", r":LINE: keyword 'edgs' is not used; did you mean 'edges'"),
         ("scale #eval{ 1.0/8 };", "scale 0;", r":LINE: key 'scale' is 0; it must be above 0"),
+        ("scale #eval{ 1.0/8 };", "scale 1e-300;", r"key 'vertices' .* all lie within 1e-60 m"),
         ("outlet { type patch;", "outlet { type cyclic; neighbourPatch inlet;", r"patch 'outlet': its neighbourPatch 'inlet' is no cyclic patch"),
     )
 
