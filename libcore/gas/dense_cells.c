@@ -183,11 +183,16 @@ struct ringing { /* marks the ring around the parts above `least` */
     struct gas *g;
     double least, level;
     int block; /* that was looked at last */
-    bool near; /* has it, or its ghosts, a part? */
+    bool near; /* has it, or its ghosts, such a part? */
 };
 
-KERNEL static void bed_around(int n, const int *restrict across, const double *restrict part, double *restrict most) {
-    for (int i = 0; i < n; i++) most[i] = larger(most[i], part[across[i]]);
+KERNEL static void bed_around(int n, const struct sides *restrict s, const double *restrict part,
+                              double *restrict most) {
+    const int first = s->across[0];
+    if (s->line)
+        for (int i = 0; i < n; i++) most[i] = larger(most[i], part[first + i]);
+    else
+        for (int i = 0; i < n; i++) most[i] = larger(most[i], part[s->across[i]]);
 }
 
 /* Gives `level` to those of n <= BATCH cells without a part beside which there is more than `least`; returns whether
@@ -205,10 +210,14 @@ static void ring_row(void *ringing, const struct row *row) {
     struct ringing *r = ringing;
     double *part = r->g->dense->part[row->block], most[BATCH] = {0};
     struct sides s;
-    if (row->block != r->block) r->near = bed_largest((int)r->g->size, part) > 0;
+    if (row->block != r->block) r->near = bed_largest((int)r->g->size, part) > r->least;
     r->block = row->block;
     if (!r->near) return;
-    for (int k = 0; r->g->engine->state.sides(r->g, row, k, &s); k++) bed_around(row->n, s.across, part, most);
+    if (bed_smallest(row->n, part + row->at) > 0) { /* no cell is left to mark */
+        r->g->dense->holds[row->block] = true;
+        return;
+    }
+    for (int k = 0; r->g->engine->state.sides(r->g, row, k, &s); k++) bed_around(row->n, &s, part, most);
     if (bed_ring(row->n, r->least, r->level, most, part + row->at)) r->g->dense->holds[row->block] = true;
 }
 

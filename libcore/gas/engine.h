@@ -69,6 +69,7 @@ struct patch_face { /* a face of a patch; patch -1: none */
     int patch, face;
 };
 struct sides {         /* a face of each of n <= BATCH cells of a block, as the cell sees it */
+    bool line;         /* do the places across lie one behind the other? */
     int across[BATCH]; /* place of the cell or ghost across */
     int face[BATCH];   /* place of the face in lines over faces of the block, ~place if the cell is its right one */
     int edge[BATCH];   /* number of the face among this rank's faces of patches; -1: it is none */
@@ -90,7 +91,7 @@ struct state_hooks {
     void (*rows)(const struct gas *g, enum extent extent, const struct state *s, row_visitor *visit, void *context);
     /* Writes the background of a block out, so that all of its cells are varied ones. NULL: there are none. */
     void (*unfold)(const struct gas *g, int block, const struct state *s);
-    /* Fills the ghosts of n lines of blocks, not those beyond patches: on a lattice so many layers of them. */
+    /* Fills the ghosts of n lines of blocks, not those beyond patches; on a lattice the first `layers` of them. */
     void (*fill)(const struct gas *g, int layers, int n, double *const *block);
     /* Computes the centre (m) of the cell at place `at` of a block. */
     void (*place)(const struct gas *g, int block, long at, double place[3]);

@@ -68,8 +68,8 @@ struct tiles {
     struct work work;
     struct activity activity;
     struct seams seams;
-    double *
-        *slope; /* [ntiles] of 1 + dim lines, of carried quantities: phi_f is phi + line 0 + slopes * way to the face */
+    /* [ntiles] of 1 + dim lines: phi_f of carried quantities is phi + line 0 + slopes * way to the face; or NULL */
+    double **slope;
     struct fronts *fronts;     /* libcore/lattice/tiles_fronts.c; NULL: nothing is done about fronts */
     int *edge;                 /* [ntiles * 6] number of the first face of a side that is a patch; else -1 */
     struct diffuser *diffuser; /* libcore/lattice/tiles_diffuser.h; NULL without transport */

@@ -26,6 +26,7 @@ bool tiles_sides(const struct gas *g, const struct row *row, int k, struct sides
     if (axis >= g->dim) return false;
     const int across = (int)row->at + (int)(high ? f->stride[axis] : -f->stride[axis]);
     const int face = (int)(axis * f->size + row->at + (high ? f->stride[axis] : 0));
+    out->line = true;
     for (int i = 0; i < row->n; i++) {
         out->across[i] = across + i;
         out->face[i] = high ? face + i : ~(face + i);

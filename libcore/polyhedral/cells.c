@@ -219,6 +219,7 @@ static void cells_speeds(struct gas *g, const struct state *s, const struct row 
 static bool cells_sides(const struct gas *g, const struct row *row, int k, struct sides *out) {
     const struct polyhedra *m = g->cells->polyhedra;
     bool any = false;
+    out->line = false;
     for (int i = 0; i < row->n; i++) {
         const int cell = (int)row->at + i, entry = m->face_start[cell] + k;
         const bool has = entry < m->face_start[cell + 1];
