@@ -36,8 +36,10 @@ void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, 
 /* Adds the force of the stress around the axis to line v of the residuals of n cells, if it is that of the radius.
  * Makes of line v the change by torques, if it is that of the swirl. */
 void cells_turn_push(const struct gas *g, const struct cells_turn *t, int v, int at, int n, double *M);
+/* Finds what cells_turn_rate needs, by the coefficients on the faces. */
+void cells_turn_rates(const struct gas *g, struct cells_turn *t);
 /* The sum over the faces of cell i that bounds its rate, which is `plane` without that stress. */
-double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i, double plane);
+double cells_turn_rate(const struct cells_turn *t, int i, double plane);
 /* How many times as fast the swirl of a rigid rotation is at the face of a mirror as in the cell before it. */
 double cells_turn_out(const struct gas *g, const struct cells_turn *t, int mirror);
 

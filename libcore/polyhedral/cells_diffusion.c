@@ -182,7 +182,7 @@ static void cell_rates(const struct gas *g, int i, double rho, double rate[2]) {
         const double wall = face < m->face.ninternal ? 0 : d->wall.heat[face - m->face.ninternal];
         sum[1] += (wall > 0 ? wall : 1) * d->face[2][face] * d->inverse[face];
     }
-    if (d->turn) sum[0] = cells_turn_rate(g, d->turn, i, sum[0]);
+    if (d->turn) sum[0] = cells_turn_rate(d->turn, i, sum[0]);
     const double per = c->inverse_volume[i] / rho;
     rate[0] = per * sum[0];
     rate[1] = temperature_of(&g->models.material, per) * sum[1];
@@ -210,6 +210,7 @@ void cells_diffusion_rates(struct gas *g, const struct state *Y0, double most[2]
     if (d->cross) cells_cross_coefficients(g, U[0]);
     cells_wall_shares(g, U, d->T, d->cell, d->cross ? d->start[0] : NULL, &d->wall);
     if (d->cross) cells_cross_faces(g, U[0]);
+    if (d->turn) cells_turn_rates(g, d->turn);
     find_rates(g, U[0], most, each ? each->block[0] : NULL);
 }
 

@@ -123,12 +123,16 @@ status cells_round_make(struct gas *g) {
 void cells_round_note(const struct gas *g, int first, int last, const double *left, const double *right) {
     const int *start = g->cells->polyhedra->face.point_start;
     const double *const p[2] = {left, right};
-    for (int side = 0; side < 2; side++)
-        for (int face = first; face < last; face++) {
+    const bool single = start[last] - start[first] == last - first;
+    for (int side = 0; side < 2; side++) {
+        double *inside = g->cells->round->inside[side];
+        if (single) memcpy(inside + first, p[side], (size_t)(last - first) * sizeof *inside);
+        for (int face = first; face < last && !single; face++) {
             double sum = 0;
             for (int i = start[face]; i < start[face + 1]; i++) sum += p[side][i - start[first]];
-            g->cells->round->inside[side][face] = sum / (start[face + 1] - start[face]);
+            inside[face] = sum / (start[face + 1] - start[face]);
         }
+    }
 }
 
 /* What the sides of n cells push with: with the mean in the plane, which differs from the value of the average by

@@ -20,6 +20,7 @@ struct cells_turn {
     double *spin;    /* [size], a batch of lanes longer: w, 1/s; NULL: there is no swirl */
     double *around;  /* [faces] u_r/r */
     double *hoop;    /* [faces] tau_ss times the area */
+    double *rate[2]; /* [nown] of cells_turn_rates: by the stress around the axis; and that of the swirl, or 0 */
 };
 
 void cells_turn_free(struct cells_turn *t) {
@@ -30,6 +31,7 @@ void cells_turn_free(struct cells_turn *t) {
     free(t->spin);
     free(t->around);
     free(t->hoop);
+    for (int i = 0; i < 2; i++) free(t->rate[i]);
     free(t);
 }
 
@@ -65,6 +67,7 @@ status cells_turn_make(const struct gas *g, struct cells_turn **out) {
     TRY(allocate(&t->widens, m->ncells, sizeof(double), "diffusion"));
     TRY(allocate(&t->around, m->face.n + SLACK, sizeof(double), "diffusion"));
     TRY(allocate(&t->hoop, m->face.n + SLACK, sizeof(double), "diffusion"));
+    for (int i = 0; i < 2; i++) TRY(allocate(&t->rate[i], m->nown, sizeof(double), "diffusion"));
     if (g->models.swirl) TRY(allocate(&t->spin, m->size + LANES, sizeof(double), "diffusion"));
     for (int i = 0; i < m->ncells; i++) t->inverse[i] = 1 / (m->centre[m->round.radial][i] - m->round.at);
     for (int i = 0; i < m->mirror.n; i++) {
@@ -131,15 +134,18 @@ static double rate_around(const struct gas *g, const struct cells_turn *t, int i
     return sum * t->inverse[i] / polyhedra_arm(m, i);
 }
 
-double cells_turn_rate(const struct gas *g, const struct cells_turn *t, int i, double plane) {
+void cells_turn_rates(const struct gas *g, struct cells_turn *t) {
     const struct polyhedra *m = g->cells->polyhedra;
-    const struct cells_diffuser *d = g->cells->diffuser;
-    const double(*part)[BATCH] = (const double(*)[BATCH])t->part + g->cells->sides.start[i / BATCH];
-    double sum = 0;
-    for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
-        const int face = m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j];
-        sum += part[j - m->face_start[i]][i % BATCH] * (d->face[0][face] + 2 * d->face[1][face]);
+    double *const *face = g->cells->diffuser->face, *all = t->hoop, sum[BATCH];
+    for (int f = 0; f < m->face.n; f++) all[f] = face[0][f] + 2 * face[1][f];
+    for (int at = 0; at < m->nown; at += BATCH) {
+        cells_sides_sum(g->cells, at, (const double(*)[BATCH])t->part, all, all, sum);
+        for (int i = at; i < m->nown && i < at + BATCH; i++)
+            t->rate[0][i] = sum[i - at] * cells_round_side(g, i) * t->inverse[i] / g->cells->inverse_volume[i];
     }
-    sum = plane + sum * cells_round_side(g, i) * t->inverse[i] / g->cells->inverse_volume[i];
-    return g->models.swirl ? larger(sum, rate_around(g, t, i)) : sum;
+    for (int i = 0; i < m->nown && t->spin; i++) t->rate[1][i] = rate_around(g, t, i);
+}
+
+double cells_turn_rate(const struct cells_turn *t, int i, double plane) {
+    return larger(plane + t->rate[0][i], t->rate[1][i]);
 }
