@@ -138,8 +138,21 @@ ALWAYS_INLINE double hoop_share(const struct bed *b, int shape, int right, int c
     return h->area[shape] * h->depth[right][shape] / (b->dim * h->round->radius[b->set.body[cell]]);
 }
 
-/* Returns the hoop component of the rate of strain on a face, u_r/r. On boxes walls that grains slip on have none, as
- * the traction along the wall is all that they bear. */
+/* Faces of boxes on patches but rough walls have no hoop stress, as they bear pressure and a traction along them alone.
+ * Returns by how much that of the other faces counts more in a cell for it, since inside of the cell it does not end.
+ */
+static double hoop_instead(const struct bed *b, int i) {
+    double all = 0, with = 0;
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double share = hoop_share(b, s.shape, s.right, i);
+        all += share;
+        if (b->set.kind[s.face] == BED_INNER || bed_is_rough(b, s.face)) with += share;
+    }
+    return with > 0 ? all / with : 1;
+}
+
+/* Returns the hoop component of the rate of strain on a face, u_r/r; 0 on boxes where hoop_instead counts for it. */
 ALWAYS_INLINE double hoop_strain(const struct bed *b, const struct face_view *v, double *const *V) {
     const struct bed_shapes *h = b->set.shapes;
     const int k = h->round->radial, cell[2] = {v->left, v->right};
@@ -341,7 +354,7 @@ static void list_faces(const struct bed *b) {
 static double hoop_rate(const struct bed *b, const struct bed_side *s, const struct face_view *v, int i) {
     const struct bed_shapes *h = b->set.shapes;
     if (!h->round) return 0;
-    if (h->boxes) return hoop_share(b, s->shape, s->right, i) / h->round->radius[b->set.body[i]];
+    if (h->boxes) return hoop_instead(b, i) * hoop_share(b, s->shape, s->right, i) / h->round->radius[b->set.body[i]];
     return h->round->flat[s->shape] * h->round->flat[s->shape] / h->area[s->shape] * v->depth / b->dim;
 }
 
@@ -421,15 +434,16 @@ static void find_gains(const struct bed *b, double dt, int j, struct combined c)
     double *const *to = r->gain[j % LINES], *const *one = r->gain[(j + LINES - 1) % LINES],
                   *const *two = r->gain[(j + LINES - 2) % LINES];
     for (int i = 0; i < b->set.cells; i++) {
-        double sum[MAX_DIM] = {0};
+        double sum[MAX_DIM] = {0}, hoop = 0;
         if (!b->set.shapes->boxes) bed_pull(b, i, sum);
         for (int e = b->set.face_start[i]; e < b->set.face_start[i + 1] && b->set.shapes->boxes; e++) {
             const struct bed_side s = bed_side(b, e);
             if (r->part[s.face] == 0) continue;
             for (int k = 0; k < b->components; k++)
                 sum[k] += s.sign * b->set.shapes->area[s.shape] * r->traction[k][s.face];
-            if (r->hoop) sum[b->set.shapes->round->radial] -= hoop_share(b, s.shape, s.right, i) * r->hoop[s.face];
+            if (r->hoop) hoop += hoop_share(b, s.shape, s.right, i) * r->hoop[s.face];
         }
+        if (hoop != 0) sum[b->set.shapes->round->radial] -= hoop_instead(b, i) * hoop;
         const double per = c.now * dt / (b->lines->rho[i] * b->set.shapes->volume[b->set.body[i]]);
         for (int k = 0; k < b->components; k++) to[k][i] = c.last * one[k][i] + c.older * two[k][i] + per * sum[k];
     }
@@ -647,8 +661,8 @@ double bed_warms(const struct bed *b, double dt, int i, double *const *end, doub
         }
         if (b->set.shapes->boxes && b->rub->hoop) {
             const int k = b->set.shapes->round->radial;
-            sum += hoop_share(b, s.shape, s.right, i) * b->rub->through[b->rub->last][b->components][s.face] * 0.5 *
-                   (x->u[k][i] + end[k][i]);
+            sum += hoop_instead(b, i) * hoop_share(b, s.shape, s.right, i) *
+                   b->rub->through[b->rub->last][b->components][s.face] * 0.5 * (x->u[k][i] + end[k][i]);
         }
     }
     return b->friction.params.heating * larger(dt / b->set.shapes->volume[b->set.body[i]] * sum + more, 0);

@@ -8,6 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of a lattice with holes and at most MANY tiles two ranks have at most FAIR of WORTHY cells or more each, if pieces of
+ * the last axis that are some ten cells long allow it. */
+enum { MANY = 16, WORTHY = 2048 };
+static const double FAIR = 0.6;
+
 struct cutter {
     const struct lattice *l;
     const struct polymesh *m;
@@ -321,6 +326,28 @@ static status make_tiles(struct forest_private *h, const struct cutter *c, int t
     return s;
 }
 
+/* Of a lattice with holes tiles may differ much: has one of two ranks more than its share then, although there are
+ * cells enough for both? */
+static bool is_lopsided(const struct forest_private *h) {
+    const bool holes = h->nblocks < h->pieces[0] * h->pieces[1] * h->pieces[2];
+    long cells[2] = {0, 0};
+    int start[3];
+    if (!holes || h->nall > MANY) return false;
+    trees_deal(h->all, h->nall, 2, start);
+    for (int t = 0; t < h->nall; t++) cells[t >= start[1]] += (long)h->all[t].n[0] * h->all[t].n[1] * h->all[t].n[2];
+    const long most = cells[0] > cells[1] ? cells[0] : cells[1];
+    return cells[0] + cells[1] >= WORTHY && (double)most > FAIR * (double)(cells[0] + cells[1]);
+}
+
+static int longest_piece(const struct forest_private *h, int k) {
+    int longest = 0;
+    for (int p = 0; p < h->pieces[k]; p++) {
+        const int length = h->start[k][p + 1] - h->start[k][p];
+        if (length > longest) longest = length;
+    }
+    return longest;
+}
+
 status cut_make(struct forest_private *h, const struct lattice *l, const struct polymesh *m, int tile_size) {
     struct cutter c = {.l = l, .m = m};
     if (tile_size < GHOSTS)
@@ -329,6 +356,12 @@ status cut_make(struct forest_private *h, const struct lattice *l, const struct 
     status s = find_planes(&c);
     for (int k = 0; !s && k < 3; k++) s = cut_axis(h, c.plane[k], k, l->dim, most_along(l, k, tile_size));
     if (!s) s = make_tiles(h, &c, tile_size);
+    const int last = l->dim - 1, longest = s ? 0 : longest_piece(h, last);
+    for (int parts = 2; !s && last > 0 && longest / parts >= 4 * GHOSTS && is_lopsided(h); parts++) {
+        h->pieces[last] = h->nblocks = h->nall = 0;
+        s = cut_axis(h, c.plane[last], last, l->dim, (longest + parts - 1) / parts);
+        if (!s) s = make_tiles(h, &c, tile_size);
+    }
     for (int k = 0; k < 3; k++) free(c.plane[k]);
     return s;
 }

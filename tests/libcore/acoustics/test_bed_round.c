@@ -115,6 +115,39 @@ static void set_velocities(struct box *x, const double *u, bool hollow) {
     for (int t = 0; t < 3; t++) memset(x->bed.set.stress[t], 0, (size_t)x->bed.set.faces * sizeof(double));
 }
 
+/* The uniform stress of u = (b x, a r) pushes no cell beside a floor that bears no friction: the hoop stress does not
+ * end at it. */
+static void test_hoop_stress_reaches_the_floor(void **state) {
+    (void)state;
+    const double b = 0.07, a = 0.04;
+    for (int kind = 0; kind < 2; kind++) {
+        struct round_box x;
+        const double inner = kind * 2.5;
+        int compared = 0;
+        make_round(&x, 0, 2, inner);
+        for (int i = 0; i < CELLS; i++) {
+            const double u[3] = {b * x.box.centre[i][0], a * (x.box.centre[i][1] + inner)};
+            set_moving(&x.box, i, 0.6, 1, u);
+            x.box.bed.set.pressure[i] = PRESSURE;
+        }
+        for (int t = 0; t < 3; t++) memset(x.box.bed.set.stress[t], 0, (size_t)x.box.bed.set.faces * sizeof(double));
+        for (int f = 0; f < x.box.bed.set.faces; f++)
+            if (x.box.bed.set.kind[f] == BED_WALL) x.box.bed.set.wall_friction[f] = 0;
+        rub(&x.box, 1e-9);
+        double most = 0;
+        for (int f = 0; f < x.box.bed.set.faces; f++) most = larger(most, fabs(x.box.bed.set.stress[2][f]));
+        for (int i = 0; i < CELLS; i++) {
+            const double *c = x.box.centre[i], r = c[1] + inner;
+            if (c[0] > 1 || c[1] > FORM[0].n[1] - 1 || c[1] < 1) continue;
+            const double push = x.box.bed.lines->rho[i] * x.box.bed.lines->rubbed[1][i] / 1e-9;
+            assert_true(fabs(push) * r < 1e-9 * most);
+            compared++;
+        }
+        assert_int_equal(compared, FORM[0].n[1] - 2);
+        round_free(&x);
+    }
+}
+
 /* D' of linear velocities, with u_r/r around the axis, is exact on faces between cells that have no wall but the axis.
  */
 static void test_strain_is_exact(void **state) {
@@ -251,9 +284,10 @@ static void test_many_stages_are_stable(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gas_at_rest_stays_so),   cmocka_unit_test(test_sums_are_kept),
-        cmocka_unit_test(test_strain_is_exact),        cmocka_unit_test(test_friction_takes_energy),
-        cmocka_unit_test(test_many_stages_are_stable), cmocka_unit_test(test_force_of_bent_velocities),
+        cmocka_unit_test(test_gas_at_rest_stays_so),     cmocka_unit_test(test_sums_are_kept),
+        cmocka_unit_test(test_strain_is_exact),          cmocka_unit_test(test_hoop_stress_reaches_the_floor),
+        cmocka_unit_test(test_friction_takes_energy),    cmocka_unit_test(test_many_stages_are_stable),
+        cmocka_unit_test(test_force_of_bent_velocities),
     };
     return cmocka_run_group_tests(tests, start, finish);
 }

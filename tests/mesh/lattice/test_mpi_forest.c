@@ -56,6 +56,7 @@ static const struct scene scenes[] = {
     {"1D even", 1, {37, 1, 1}, 16, {false}, {0}, {0}, 0, 3, {false}, true},
     {"3D even, else three", 3, {60, 6, 24}, 24, {false}, {0}, {0}, 0, 6, {false}, true},
     {"2D rows that fill vectors", 2, {100, 9, 1}, 63, {false}, {0}, {0}, 0, 2, {false}, false},
+    {"2D silo", 2, {32, 90, 1}, 63, {false}, {8, 24, 0}, {32, 30, 1}, 0, 11, {false}, false},
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
@@ -311,6 +312,23 @@ static void a_lattice_cut_in_two_is_dealt_by_halves(void **state) {
         cut++;
     }
     assert_int_equal(cut, 3);
+}
+
+/* Without cuts along the last axis one of two ranks would have 1920 of the 2736 cells. */
+static void two_ranks_share_a_lattice_with_a_hole(void **state) {
+    (void)state;
+    struct fixture x;
+    int start[3];
+    long cells[2] = {0, 0};
+    begin(&x, &scenes[SCENES - 1], 1);
+    trees_deal(x.f->hidden->all, x.f->ntiles_all, 2, start);
+    for (int id = 0; id < x.f->ntiles_all; id++) {
+        const int *n = x.f->hidden->all[id].n;
+        cells[id >= start[1]] += (long)n[0] * n[1] * n[2];
+    }
+    assert_int_equal(cells[0] + cells[1], 2736);
+    assert_true(cells[0] <= 1642 && cells[1] <= 1642);
+    end(&x);
 }
 
 static void only_remote_tiles_wait_for_finish(void **state) {
@@ -593,6 +611,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(derivatives_stay_beyond_sides_of_their_axis),
         cmocka_unit_test(ints_go_where_doubles_go),
         cmocka_unit_test(a_lattice_cut_in_two_is_dealt_by_halves),
+        cmocka_unit_test(two_ranks_share_a_lattice_with_a_hole),
         cmocka_unit_test(only_remote_tiles_wait_for_finish),
         cmocka_unit_test(tiles_cover_the_lattice),
         cmocka_unit_test(rows_fill_vectors),
