@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Errors as values, and the memory allocation that returns them (status.h). */
+#define _DEFAULT_SOURCE /* madvise */
 #include "mesh/base/status.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -82,9 +84,21 @@ void status_free(status s) {
     if (s != &no_memory) free(s);
 }
 
+/* Returns memory that is not set, in pages of 2 MB where it is large and Linux has them: what is read in no order, as
+ * many grains are, then misses fewer translations of addresses. */
+static void *take(size_t bytes) {
+    const size_t large = (size_t)1 << 21;
+    if (bytes < large) return aligned_alloc(64, bytes ? bytes : 64);
+    void *p = aligned_alloc(large, (bytes + large - 1) / large * large);
+#ifdef MADV_HUGEPAGE
+    if (p) (void)madvise(p, bytes / large * large, MADV_HUGEPAGE);
+#endif
+    return p;
+}
+
 status allocate(void *out, long count, long size, const char *what) {
     size_t bytes = ((size_t)count * (size_t)size + 63) / 64 * 64;
-    void *p = count < 0 ? NULL : aligned_alloc(64, bytes ? bytes : 64);
+    void *p = count < 0 ? NULL : take(bytes);
     if (!p) return fail(ERR_SYSTEM, "no memory for %s: %ld x %ld bytes", what, count, size);
     memset(p, 0, bytes);
     memcpy(out, &p, sizeof p);
