@@ -140,6 +140,19 @@ static status make_box(const struct setup *s, const struct grains_models *m, con
     return OK;
 }
 
+/* Beyond that a phase has lost its digits (grains_phase_cos), and walls move further between two times than can be
+ * followed. */
+static const double MOST_PHASE = 1e9; /* rad */
+
+static status check_phase(const struct setup *s, const struct grains_models *m, const struct grain_box *box) {
+    const double end = fabs(s->control->end_time), last = (isfinite(end) ? box->omega * end : 0) + fabs(box->phase);
+    if (last <= MOST_PHASE || m->soft) return OK;
+    return fail(ERR_INPUT,
+                "%s/constant/shaking: the phase is %.3g rad at endTime, %g at most can be followed: lower "
+                "frequency, phase, or endTime",
+                s->dir, last, MOST_PHASE);
+}
+
 status grains_box_make(const struct setup *s, const struct grains_models *m, const struct field *U,
                        const struct grains_mesh *mesh, struct grain_box *out) {
     const struct sources *g = &m->forces.source;
@@ -151,6 +164,7 @@ status grains_box_make(const struct setup *s, const struct grains_models *m, con
         out->omega = TWO_PI * g->frequency;
         out->phase = g->phase;
         for (int k = 0; k < s->dim; k++) out->shake[k] = g->gravity[k] * g->amplitude / (out->omega * out->omega);
+        TRY(check_phase(s, m, out));
     }
     return check_forces(s, m, out);
 }

@@ -240,6 +240,8 @@ void grains_models_count(struct grains_models *m, int n) {
     m->kinds.first[m->kinds.n] = m->kinds.n ? n : 0;
 }
 
+static const double MOST_SAMPLES = 1e12;
+
 static status read_properties(struct dict *d, int dim, const struct polymesh *mesh, const struct control *c,
                               struct grains_models *m) {
     struct dict *coarse = NULL, *none = NULL;
@@ -253,6 +255,8 @@ static status read_properties(struct dict *d, int dim, const struct polymesh *me
     TRY(dict_sub_optional(d, "coarseGraining", &coarse));
     if (!coarse) TRY(dict_from_text("coarseGraining", "", &none));
     status s = params_read(coarse ? coarse : none, coarse_param, COUNT(coarse_param), m);
+    if (!s && m->window > 0 && isfinite(c->end_time) && fabs(c->end_time) / m->window * m->samples > MOST_SAMPLES)
+        s = dict_fail(coarse, "window", "up to endTime it has more than %g samples: is its unit right?", MOST_SAMPLES);
     dict_free(none);
     TRY(s);
     if (m->width == 0) m->width = m->grain.diameter;

@@ -4,6 +4,7 @@
 #define STRESS_PROBLEM_H
 
 #include "libcore/gas/gas.h"
+#include "mesh/format/polymesh.h"
 #include "tests/simplices.h"
 #include "tests/stress/seed.h"
 
@@ -33,7 +34,7 @@ struct gate { /* of an open side; NULL: zeroGradient */
 
 struct view;
 struct problem {
-    const struct problem *seen; /* the one that was drawn, if this is seen in another way (view.h); else NULL */
+    const struct problem *seen; /* the one that was drawn, if this is seen in another way (view.c); else NULL */
     const struct view *view;    /* NULL: as it was drawn */
     int family;
     uint64_t seed;
@@ -132,5 +133,34 @@ double problem_density(const struct problem *p, double alpha);
 void problem_per_energy(const struct problem *p, double alpha, double *pressure, double *c2);
 /* Sound speed, m/s. */
 double problem_sound(const struct problem *p, double alpha, double pressure);
+
+/* The same problem, seen in other ways (view.c): in other units, mirrored, turned, with its cells in another order.
+ * What comes of it must be the same. Bodies of revolution have a mirror image of their own (problem_mirrored). */
+struct view {
+    const char *name;
+    double kg, m, s; /* how many new units one old unit has */
+    int axis[3];     /* the old axis that lies along the new axis k */
+    bool flip[3];    /* does the new axis k point the other way? */
+    bool reversed;   /* of polyhedra: cells and faces in the opposite order */
+    double jitter;   /* every value of the start and every coordinate is changed by this part of itself, up or down */
+};
+
+/* The problem as it is seen; v and p are borrowed. */
+struct problem problem_seen(const struct problem *p, const struct view *v);
+/* The problem that was drawn. */
+const struct problem *view_origin(const struct problem *p);
+/* Of a lattice: the old axis, the old patch, the old cell of a new one. */
+int view_axis(const struct problem *p, int axis);
+int view_patch(const struct problem *p, int patch);
+long view_cell(const struct problem *p, long cells, long cell);
+/* Turns a vector to the new axes; no units. */
+void view_turn(const struct problem *p, double x[3]);
+/* Moves the points of polyhedra, and sorts their cells anew. place: [cells][3] the old centres, which are sorted, too.
+ */
+status view_mesh(const struct problem *p, struct polymesh *m, double *place);
+/* A state of a cell of the start: from the old to the new one. cell: the old number. */
+void view_start(const struct problem *p, long cell, double *rho, double u[3], double *T);
+/* An end state U[variables][cells] of new cells, as the one who drew the problem sees it: out[variables][cells]. */
+void view_end(const struct problem *p, long cells, int variables, double *const U[MAX_VAR], double *out);
 
 #endif

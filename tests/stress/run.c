@@ -6,7 +6,6 @@
 #include "solvers/gas/linear.h"
 #include "tests/defaults.h"
 #include "tests/stress/contact.h"
-#include "tests/stress/view.h"
 #include "tests/stress/watch.h"
 
 #include <stdio.h>

@@ -47,4 +47,8 @@ struct outcome {
 status stress_run(const struct problem *p, const struct scheme *s, const struct run_options *o, const struct comm *c,
                   struct outcome *out);
 
+/* Compares a problem, whose outcome is there, with the same one seen in all ways that hold for it. Fails by `out`. */
+status views_compare(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
+                     const struct comm *c, struct outcome *out);
+
 #endif

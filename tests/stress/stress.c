@@ -2,7 +2,6 @@
 /* Thousands of small random problems, each of which must end well: see README.md. */
 #include "tests/stress/run.h"
 #include "tests/stress/table.h"
-#include "tests/stress/view.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -26,7 +25,7 @@ struct request {
     const char *problem, *list, *table;
     uint64_t from;
     long count, schemes;           /* schemes: problems with each of the others */
-    bool checksums, export, views; /* views: compares with those of view.h */
+    bool checksums, export, views; /* views: compares with other ways to see it (view.c) */
 };
 
 static bool parse_scheme(char *text, struct scheme *s) {

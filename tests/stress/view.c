@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "tests/stress/view.h"
+#include "tests/stress/run.h"
 
 #include "libcore/models/boundary.h"
 

@@ -447,6 +447,8 @@ class BadInput(harness.Folder, unittest.TestCase):
         Row("kernel", ("constant/particleProperties", "kernel cell;", "kernel Gauss;"), "Gaussian", "Heaviside"),
         Row("samples", ("constant/particleProperties", "samples 10;", "samples 0;"), "samples"),
         Row("window", ("constant/particleProperties", "window 0.1;", "window -0.1;"), "window"),
+        Row("windows without end", ("constant/particleProperties", "window 0.1;", "window 1e-50;"), "more than 1e+12 samples", "unit"),
+        Row("frequency of no phase", ("constant/shaking", "frequency 0.3;", "frequency 1e50;"), "rad at endTime", "lower frequency", at=""),
         Row("too many", ("constant/particleProperties", "N 100;", "N 400;"), "N 400", "fit"),
         Row("point grains", ("constant/granularProperties", "diameter 1;", "diameter 0;"), "greater than 0"),
         Row("unknown property", ("constant/granularProperties", "cooling Haff;", "coolin Haff;"), "not used", "cooling"),
