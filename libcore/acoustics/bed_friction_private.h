@@ -99,6 +99,7 @@ static inline bool bed_is_rough(const struct bed *b, int f) {
 
 status bed_friction_make(struct bed *b); /* nothing, if the bed has no law of friction */
 void bed_friction_free(struct bed_friction *r);
+status bed_friction_room(const struct bed *b, struct bed_friction *r); /* for the cells and faces that the bed has */
 /* Gradients of the velocity in cells (bed_strain.c): bed_fit_cell finds the numbers that bed_find_gradients, which is
  * collective, sums with, for b->rub->gradient. */
 void bed_fit_cell(const struct bed *b, int i);

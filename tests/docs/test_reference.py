@@ -28,7 +28,7 @@ TABLES = {
     "solvers/case/checksums.c": {"group_name[g]", "dict_key(group, i)"},
     "solvers/case/control.c": {"application",  # the name of the program
                                "dict_key(c->functions, i)"},
-    "solvers/case/fields.c": {"key", "value", "p->name"},
+    "solvers/case/fields.c": {"key", "value"},
     "solvers/functions/functions.c": {"name", "key"},
     "solvers/functions/functions_patches.c": {"key"},
     "solvers/functions/functions_phase.c": {"key"},
