@@ -104,6 +104,8 @@ static status tiles_make(struct gas *g) {
     TRY(fronts_make(g));
     TRY(tiles_edges_make(g));
     if (g->models.ncarried) TRY(blocks_make(g->forest, 1 + g->dim, &g->tiles->slope));
+    for (int t = 0; t < g->forest->ntiles && g->tiles->slope; t++) /* they stay 0 beyond patches */
+        memset(g->tiles->slope[t], 0, (size_t)((1 + g->dim) * g->forest->size) * sizeof(double));
     if (g->dense) TRY(comm_agree(g->comm, tiles_bed_make(g)));
     return g->models.transport ? tiles_diffuser_make(g) : OK;
 }
