@@ -138,16 +138,15 @@ ALWAYS_INLINE double hoop_share(const struct bed *b, int shape, int right, int c
     return h->area[shape] * h->depth[right][shape] / (b->dim * h->round->radius[b->set.body[cell]]);
 }
 
-/* Faces of boxes on patches but rough walls have no hoop stress, as they bear pressure and a traction along them alone.
- * Returns by how much that of the other faces counts more in a cell for it, since inside of the cell it does not end.
- */
+/* Faces of boxes on patches other than rough walls have no hoop stress: they bear pressure and a traction alone.
+ * Returns how much more that of the other faces of a cell counts for it. */
 static double hoop_instead(const struct bed *b, int i) {
     double all = 0, with = 0;
     for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
         const struct bed_side s = bed_side(b, j);
         const double share = hoop_share(b, s.shape, s.right, i);
         all += share;
-        if (b->set.kind[s.face] == BED_INNER || bed_is_rough(b, s.face)) with += share;
+        with += b->set.kind[s.face] == BED_INNER || bed_is_rough(b, s.face) ? share : 0;
     }
     return with > 0 ? all / with : 1;
 }
