@@ -66,27 +66,6 @@ ALWAYS_INLINE void look_at_face(const struct bed *b, const struct face_view *v, 
         for (int m = 0; m < n.components; m++) mean[k][m] = 0;
 }
 
-/* Returns the part that the hoop component of a face has in the volume of one of its cells, over the cell's radius. By
- * the parts of all its faces a cell has its area in the plane. */
-ALWAYS_INLINE double hoop_share(const struct bed *b, int shape, int right, int cell) {
-    const struct bed_shapes *h = b->set.shapes;
-    return h->area[shape] * h->depth[right][shape] / (b->dim * h->round->radius[b->set.body[cell]]);
-}
-
-/* Faces of boxes on patches but rough walls have no hoop stress, as they bear pressure and a traction along them alone.
- * Returns by how much that of the other faces counts more in a cell for it, since inside of the cell it does not end.
- */
-static double hoop_instead(const struct bed *b, int i) {
-    double all = 0, with = 0;
-    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
-        const struct bed_side s = bed_side(b, j);
-        const double share = hoop_share(b, s.shape, s.right, i);
-        all += share;
-        if (b->set.kind[s.face] == BED_INNER || bed_is_rough(b, s.face)) with += share;
-    }
-    return with > 0 ? all / with : 1;
-}
-
 /* Returns the hoop component of the rate of strain on a face, u_r/r; 0 on boxes where hoop_instead counts for it. */
 ALWAYS_INLINE double hoop_strain(const struct bed *b, const struct face_view *v, double *const *V) {
     const struct bed_shapes *h = b->set.shapes;

@@ -97,6 +97,26 @@ static inline bool bed_is_rough(const struct bed *b, int f) {
     return b->set.kind[f] == BED_WALL && b->set.wall_friction[f] == HUGE_VAL;
 }
 
+/* Returns the part that the hoop component of a face has in the volume of one of its cells, over the cell's radius. By
+ * the parts of all its faces a cell has its area in the plane. */
+ALWAYS_INLINE double hoop_share(const struct bed *b, int shape, int right, int cell) {
+    const struct bed_shapes *h = b->set.shapes;
+    return h->area[shape] * h->depth[right][shape] / (b->dim * h->round->radius[b->set.body[cell]]);
+}
+
+/* Faces of boxes on patches other than rough walls have no hoop stress: they bear pressure and a traction alone.
+ * Returns how much more that of the other faces of a cell counts for it. */
+static inline double hoop_instead(const struct bed *b, int i) {
+    double all = 0, with = 0;
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double share = hoop_share(b, s.shape, s.right, i);
+        all += share;
+        with += b->set.kind[s.face] == BED_INNER || bed_is_rough(b, s.face) ? share : 0;
+    }
+    return with > 0 ? all / with : 1;
+}
+
 status bed_friction_make(struct bed *b); /* nothing, if the bed has no law of friction */
 void bed_friction_free(struct bed_friction *r);
 status bed_friction_room(const struct bed *b, struct bed_friction *r); /* for the cells and faces that the bed has */
