@@ -183,8 +183,11 @@ static status take_rough(const struct setup *s, const struct grains_start *p, in
     const char *file = dict_path(U->dict), *patch = s->mesh->patch[k].name;
     if (!is_rough(boundary_find(q->type))) return OK;
     *out = (struct grain_rough){.phi = *parameter(q, "specularityCoefficient")};
-    for (int a = 0; a < s->dim; a++) out->u[a] = q->uniform[s->axis[a]];
-    if (q->values || q->varying)
+    for (int a = 0; a < s->dim; a++) out->u[a] = (q->values ? q->values : q->uniform)[s->axis[a]];
+    bool alike = !q->varying || !varying_in_time(q->varying);
+    for (int i = 0; i < (q->values ? 3 * s->mesh->patch[k].nfaces : 0); i++)
+        alike = alike && q->values[i] == q->values[i % 3];
+    if (!alike)
         return fail(ERR_INPUT, "%s:%d: patch %s: rough walls of grains move as a whole: give  value uniform (..);",
                     file, q->line, patch);
     const double *e = T ? restitution_of(&T->patch[k]) : NULL,

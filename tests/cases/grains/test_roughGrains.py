@@ -85,6 +85,7 @@ class RoughGrains(harness.Folder, unittest.TestCase):
         for n, (name, rule, text) in enumerate((
                 ("U", "{ type noSlip; }", r"0/U:\d+: patch yLow: type is noSlip; walls of grains are smooth or rough: use  slip;  or  JohnsonJacksonSlip;"),
                 ("U", ROUGH.format(0.1, 0.95, "(0 1 0)"), r"0/U:\d+: patch yLow: a wall moves along itself, but this value leads across a face"),
+                ("U", ROUGH.format(0.1, 0.95, '(1 0 0); expression ("x" "0" "0")'), r"0/U:\d+: patch yLow: rough walls of grains move as a whole: give  value uniform"),
                 ("U", ROUGH.format(0.2, 0.95, "(1 0 0)"), r"patch yLow: U and T have other coefficients of impacts: give the same"),
                 ("U", "{ type slip; }", r"0/T:\d+: patch yLow: U is 'slip', a wall; walls of grains give no heat: T cannot be 'JohnsonJacksonSlip'"),
                 ("T", "{ type granularWall; restitution 0.9; }", r"patch yLow: U and T have other coefficients of impacts"))):
