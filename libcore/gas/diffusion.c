@@ -143,7 +143,8 @@ static void rise_row(void *rise, const struct row *row) {
         for (int i = 0; i < row->n; i++) cooled[i] = larger(before[i] - after[i], r->least);
         return;
     }
-    /* where a part before this one has failed, T may be below 0, and `cooled` of gas that no source cools must stay 0 */
+    /* where a part before this one has failed, T may be below 0, and `cooled` of gas that no source cools must stay 0
+     */
     for (int i = 0; i < row->n && r->g->diffusion.late; i++) cooled[i] = smaller(cooled[i], larger(before[i], 0));
     if (r->g->engine->diffusion.cooled_first)
         for (int i = 0; i < row->n; i++) friction[i] = after[i] - (before[i] + cooled[i]);

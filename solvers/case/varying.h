@@ -53,8 +53,8 @@ struct varying_range { /* what values may be */
     double low, high;  /* both excluded */
     char allowed[300]; /* "be greater than 0" */
 };
-/* Checks values of time t: none beyond MOST_NUMBER, of scalars within the range, along the wall of walls, rates of a flow not negative.
- * The error, of the kind given, names file, line, patch, face and time. */
+/* Checks values of time t: none beyond MOST_NUMBER, of scalars within the range, along the wall of walls, rates of a
+ * flow not negative. The error, of the kind given, names file, line, patch, face and time. */
 status varying_check(const struct varying *v, double t, const double *values, const struct varying_range *range,
                      enum status_kind kind);
 /* Checks the values at each time of a table; the values in between, which are linear, are then right, too. */

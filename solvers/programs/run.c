@@ -38,7 +38,7 @@ struct run {
     double looked;       /* s, clock: when controlDict was last looked at */
     double until;        /* s: a step ends there, at the latest */
     long cut;            /* steps of a fixed deltaT that the time scheme had to cut */
-    bool runs; /* have its steps begun, and none failed? */
+    bool runs;           /* have its steps begun, and none failed? */
     bool stop;
 };
 
