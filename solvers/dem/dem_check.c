@@ -2,6 +2,7 @@
 /* Checks a case of soft grains, reads its start and chooses the time step (dem_run.h). */
 #include "solvers/dem/dem_run.h"
 #include "solvers/gas/scales.h"
+#include "solvers/grains/grains_box.h"
 
 #include <math.h>
 
@@ -21,9 +22,13 @@ static status check_mesh(const struct setup *s) {
                     "%s: one axis is solved; grains are disks on two solved axes or spheres on three: let fewer "
                     "patches be of type empty",
                     s->mesh_path);
-    if (s->lattice) return OK;
-    return fail(ERR_INPUT, "%s: the fields of soft grains are means over a lattice of equal boxes: %s", s->mesh_path,
-                s->why);
+    return OK;
+}
+
+/* Makes the cells and the facets of a mesh that is no lattice. */
+static status make_mesh(const struct setup *s, struct dem_run *r) {
+    (void)grains_box_open(s, r->start.field[FIELD_U], r->models->open);
+    return s->lattice ? OK : grains_mesh_make(s, r->models->grain.diameter, r->models->open, &r->mesh);
 }
 
 /* Pieces of space that repeat must hold three grains, so that a grain does not meet its own image. */
@@ -44,14 +49,14 @@ static status check_forces(const struct setup *s, const struct grains_models *m)
                      "new number here, and go on");
 }
 
-static long box_cells(const struct setup *s) {
-    return (long)s->lattice->n[0] * s->lattice->n[1] * s->lattice->n[2];
+static long cells_of(const struct setup *s, const struct dem_run *r) {
+    return r->mesh ? s->mesh->ncells : (long)s->lattice->n[0] * s->lattice->n[1] * s->lattice->n[2];
 }
 
 /* Returns the fastest of what the start and the forces have (m/s). */
 static double fastest(const struct setup *s, const struct dem_run *r) {
     double most = scales_fall(s, &r->models->forces.source);
-    for (long c = 0; r->start.T && c < box_cells(s); c++) {
+    for (long c = 0; r->start.T && c < cells_of(s, r); c++) {
         double square = 0;
         for (int k = 0; k < s->dim; k++) square += r->start.u[k][c] * r->start.u[k][c];
         most = fmax(most, sqrt(square) + 3 * sqrt(r->start.T[c]));
@@ -86,8 +91,8 @@ static double weight_of(const struct setup *s, const struct dem_run *r, double *
         if (fabs(g[k]) > fabs(g[down])) down = k;
         total *= r->walls.high[k] - r->walls.low[k];
     }
-    for (long c = 0; r->start.alpha && c < box_cells(s); c++)
-        volume += r->start.alpha[c] / (double)box_cells(s) * total;
+    for (long c = 0; r->start.alpha && c < cells_of(s, r); c++)
+        volume += r->start.alpha[c] * (r->mesh ? r->mesh->base.volume[c] : total / (double)cells_of(s, r));
     *area = total / (r->walls.high[down] - r->walls.low[down]) / (s->dim == 2 ? d : d * d);
     return volume / (s->dim == 2 ? 0.785398 * d * d : 0.523599 * d * d * d) * r->law.mass * sqrt(size);
 }
@@ -124,9 +129,10 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     snprintf(path, sizeof path, "%s/%s/uniform/softGrains", s->dir, s->start.folder);
     const bool saved = field_exists(path);
     TRY(grains_start_read(s, m, saved, &r->start));
-    TRY(grains_start_take(s, m, NULL, saved, &r->start));
     for (int i = 0; i < FIELD_COUNT; i++) TRY(warn_field(&s->warnings, r->start.field[i], time_is_original(&s->start)));
     TRY(grains_start_walls(s, &r->start, m));
+    TRY(make_mesh(s, r));
+    TRY(grains_start_take(s, m, r->mesh, saved, &r->start));
     TRY(grains_start_check(s, m, &r->start));
     TRY(check_forces(s, m));
     if (saved) TRY(dem_state_read(path, &r->saved));
@@ -139,5 +145,5 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     r->law.gravity = &m->forces.source;
     TRY(warn_of(s, r));
     TRY(warn_program(s));
-    return setup_grid(s, false, 1);
+    return setup_grid(s, r->mesh != NULL, 1);
 }

@@ -22,7 +22,7 @@ struct dem_run_medium {
     struct pool pool;
     struct dem_run run;
     struct dem_table table;
-    int *place;                                       /* [ncells] index in the lattice of a cell */
+    int *place;                                       /* [ncells] index of a cell in the lattice, or in the mesh */
     double *value[QUANTITIES][3], valued[QUANTITIES]; /* [cells] of fields, and the time they are of */
 };
 /* Those of hard grains, the pressure tensor as its components along the axes and (xy xz yz), and the mean spin. */
@@ -67,11 +67,11 @@ static status medium_state(struct setup *s) {
 
 static status make_values(struct dem_run_medium *x) {
     const struct setup *s = x->base.setup;
-    const struct lattice *l = s->lattice;
-    const long cells = (long)l->n[0] * l->n[1] * l->n[2];
+    const struct lattice *l = x->run.mesh ? NULL : s->lattice;
+    const long cells = l ? (long)l->n[0] * l->n[1] * l->n[2] : s->mesh->ncells;
     TRY(pool_take(&x->pool, &x->place, s->mesh->ncells, sizeof *x->place, "cells"));
     for (int i = 0; i < cells; i++)
-        if (l->cell[i] >= 0) x->place[l->cell[i]] = i;
+        if (!l || l->cell[i] >= 0) x->place[l ? l->cell[i] : i] = i;
     for (int f = 0; f < QUANTITIES; f++) {
         x->valued[f] = NAN;
         for (int k = 0; k < components(s, f); k++)
@@ -260,7 +260,7 @@ static status medium_cloud(const struct medium *m, struct cloud *out) {
     TRY(allocate(&out->spin, now->n, sizeof *out->spin, "spins of grains"));
     out->diameter = r->law.diameter;
     for (int i = 0; i < now->n; i++) {
-        const long cell = grains_box_cell(s, NULL, now->x[i]);
+        const long cell = grains_box_cell(s, r->mesh, now->x[i]);
         out->cell[i] = cell < 0 ? 0 : (int)cell;
         out->id[i] = now->id[i] - 1;
         grains_box_place(s, now->x[i], out->x[i]);

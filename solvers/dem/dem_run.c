@@ -17,12 +17,13 @@ void dem_run_free(struct dem_run *r) {
     dem_moment_free(&r->moment);
     dem_state_free(&r->saved);
     grains_start_free(&r->start);
+    grains_mesh_free(r->mesh);
     grains_models_free(r->models);
     free(r->stress);
 }
 
 static struct coarse_grid grid_of(const struct dem_run *r) {
-    struct coarse_grid g = grains_grid(r->setup, r->models, NULL);
+    struct coarse_grid g = grains_grid(r->setup, r->models, r->mesh);
     g.rough = true;
     return g;
 }
@@ -89,10 +90,17 @@ static status overlaps(const struct dem_run *r, int i, const char *patch) {
         r->setup->dir, r->setup->start.folder, r->moment.id[i], x[0], x[1], x[2], patch);
 }
 
+static bool is_inside(const struct dem_run *r, const double x[3]) {
+    bool inside;
+    if (!r->mesh) return grains_box_cell(r->setup, NULL, x) >= 0;
+    (void)r->mesh->base.locate(&r->mesh->base, x, &inside);
+    return inside;
+}
+
 static status check_overlaps(const struct dem_run *r) {
     const struct dem_moment *m = &r->moment;
     for (int i = 0; i < m->n; i++) {
-        if (grains_box_cell(r->setup, NULL, m->x[i]) < 0) return overlaps(r, i, "behind which the mesh has a hole");
+        if (!is_inside(r, m->x[i])) return overlaps(r, i, "behind which the mesh has a hole");
         for (int j = 0; j < r->walls.n; j++) {
             double near[3], away = 0;
             dem_wall_nearest(&r->walls, j, m->x[i], near);
@@ -115,7 +123,7 @@ static bool is_hole(const struct lattice *l, long i, int k, int by) {
  */
 static void keep_off_holes(struct dem_run *r) {
     const struct lattice *l = r->setup->lattice;
-    const long cells = (long)l->n[0] * l->n[1] * l->n[2];
+    const long cells = r->mesh ? 0 : (long)l->n[0] * l->n[1] * l->n[2];
     for (long i = 0; r->start.alpha && i < cells; i++)
         for (int k = 0; k < l->dim; k++)
             if (is_hole(l, i, k, -1) || is_hole(l, i, k, 1)) r->start.alpha[i] = 0;
@@ -123,7 +131,7 @@ static void keep_off_holes(struct dem_run *r) {
 
 static status place(struct dem_run *r) {
     const struct dem_walls *w = &r->walls;
-    struct grain_box box = {.dim = w->dim};
+    struct grain_box box = {.dim = w->dim, .facets = r->mesh ? r->mesh->facets : NULL};
     struct grain_start p = {.n = 0};
     for (int k = 0; k < w->dim; k++) {
         box.low[k] = w->low[k];

@@ -18,6 +18,7 @@ struct dem_run {
     const struct setup *setup;
     struct grains_models *models;
     struct grains_start start;
+    struct grains_mesh *mesh; /* NULL: a lattice of equal boxes */
     struct dem_walls walls;
     struct dem_law law;
     struct dem_state saved;        /* n = 0: the start has none; freed once it is used */

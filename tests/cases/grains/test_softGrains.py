@@ -11,6 +11,7 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.grains import test_particles as hard
+from tests.cases.grains import test_walls as rooms
 from tests.cases.harness import boxes
 
 from haff.case import grains  # noqa: E402
@@ -24,6 +25,12 @@ E, NU, A = 5e9, 0.3, 5e-8
 STIFF = E / (2 * (1 - NU**2))
 VISCOUS = f"type hertz; youngsModulus {E}; poissonsRatio {NU}; dissipation {A};"
 WALLS = {"x": "cyclic", "y": "wall", "z": "cyclic"}
+
+HOPPER = """Point(1) = {0, 0, 0, 2}; Point(2) = {4, 0, 0, 2}; Point(3) = {10, 8, 0, 2}; Point(4) = {10, 16, 0, 2}; Point(5) = {-6, 16, 0, 2}; Point(6) = {-6, 8, 0, 2};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 6}; Line(6) = {6, 1};
+Curve Loop(1) = {1:6}; Plane Surface(1) = {1};
+Physical Curve("walls") = {1:6}; Physical Surface("gas") = {1};
+"""
 
 
 def make(case, contact, cells=(8, 8, 8), size=(8e-3, 8e-3, 8e-3), wall="slip", positions=None, U=None, spin=None, more="", **options):
@@ -341,6 +348,26 @@ class Beds(harness.Folder, unittest.TestCase):
         harness.edit(case, "system/controlDict", endTime=0.08)
         solve(case)
         self.assertEqual(float(harness.haff.Case(case).field("rho", "0.08").max()), 0)
+
+    def test_hopper(self):
+        """Leaning walls on a mesh of triangles: all grains stay among them, the fields hold their mass, and a restart has the same bits."""
+        whole, parts = (os.path.join(self.folder, name) for name in ("hopper whole", "hopper parts"))
+        rooms.make(whole, HOPPER, end=2, interval=1, g=-1, particles="contact { type linear; stiffness 1e4; restitution 0.8; friction 0.5; }\n")
+        harness.edit(whole, "system/controlDict", application="granularDEM")
+        shutil.copytree(whole, parts)
+        self.assertRegex(solve(whole), r"rectangle, normal \(0.8 -0.6 \S+\), friction 0")
+        found = harness.haff.Case(whole)
+        cloud = grains.read(found, "2")
+        x, y = cloud["x"][:, :2].T
+        self.assertGreater(np.min([y, 0.6 * y - 0.8 * (x - 4), 0.6 * y + 0.8 * x, 10 - x, x + 6, 16 - y]), 0.4 - 6 * (1 / 1e4)**0.5)  # m: the overlap of an impact at 6 m/s
+        depth = np.ptp(found.mesh.points[:, 2])
+        self.assertAlmostEqual(np.sum(found.field("alpha", "2") * found.volumes) / depth, len(x) * np.pi / 4 * 0.8**2, delta=1e-9)
+        harness.edit(parts, "system/controlDict", endTime=1)
+        solve(parts)
+        harness.edit(parts, "system/controlDict", endTime=2)
+        solve(parts)
+        for key, value in end(whole, "2").items():
+            np.testing.assert_array_equal(value, end(parts, "2")[key], err_msg=key)
 
     def test_ranks(self):
         """On two ranks LAMMPS adds in another order: the same motion to round-off for some impacts."""
