@@ -120,6 +120,28 @@ static status warn_of(struct setup *s, const struct dem_run *r) {
     return OK;
 }
 
+/* Makes rectangles of the walls; where they are none, it takes triangles, if LAMMPS can: on three axes, as LAMMPS
+ * documents no file of lines. Without LAMMPS, which is warned of, the case is taken as one for a LAMMPS that can. */
+static status find_walls(const struct setup *s, struct dem_run *r) {
+    const struct field *U = r->start.field[FIELD_U];
+    struct lammps_abilities can;
+    status flat = dem_walls_make(s, r->models, U, NULL, &r->walls);
+    if (!flat || !r->mesh || !r->mesh->facets || s->dim == 2) return flat;
+    status e = dem_walls_make(s, r->models, U, r->mesh->facets, &r->walls);
+    status missing = e ? OK : lammps_ask(&can);
+    if (e || missing || can.surface) {
+        status_free(flat);
+        status_free(missing);
+        return e;
+    }
+    e = fail(ERR_INPUT,
+             "%s. Other walls need fix surface/global of LAMMPS (package GRANSURF, in 4 Jul 2026 and later), "
+             "which this lmp (%s) lacks",
+             status_text(flat), can.version);
+    status_free(flat);
+    return e;
+}
+
 status dem_run_state(struct setup *s, struct dem_run *r) {
     struct grains_models *m = r->models;
     char path[2 * TIME_PATH];
@@ -137,7 +159,7 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     TRY(check_forces(s, m));
     if (saved) TRY(dem_state_read(path, &r->saved));
     TRY(choose_step(s, r));
-    TRY(dem_walls_make(s, m, r->start.field[FIELD_U], &r->walls));
+    TRY(find_walls(s, r));
     TRY(check_space(s, &r->walls, m->grain.diameter));
     r->law.diameter = m->grain.diameter;
     r->law.mass = m->grain.mass;

@@ -77,6 +77,19 @@ static void write_slab(FILE *f, const struct dem_law *law, int i) {
     fprintf(f, " region wall%d contacts\n", i);
 }
 
+/* All walls of triangles (doc/src/fix_surface_global.rst of LAMMPS, 4 Jul 2026): a surface type for each wall, and one
+ * molecule, so that triangles of two walls are connected, too. It gives no forces, so two fixes keep those on the
+ * grains before and behind it. */
+static void write_surface(FILE *f, const struct dem_walls *w, const char *folder) {
+    fprintf(f, "fix before all store/force\nfix surface all surface/global");
+    for (int i = 0; i < w->n; i++) fprintf(f, " &\n    input stl %d 1 \"%s/wall%d.stl\"", i + 1, folder, i);
+    for (int i = 0; i < w->n; i++) {
+        fprintf(f, " &\n    model 1 %d granular ", i + 1);
+        write_law(f, &w->wall[i].law);
+    }
+    fprintf(f, "\nfix after all store/force\n");
+}
+
 static void write_gravity(FILE *f, const struct dem_law *law) {
     const struct sources *s = law->gravity;
     const double *g = s->gravity;
@@ -101,6 +114,25 @@ static void write_start(FILE *f, const struct dem_law *law, const char *data, co
             0.2 * law->diameter);
 }
 
+/* The rows of the grains that touch a surface: number, 1, force. */
+static void write_surface_dump(FILE *f, const char *how) {
+    for (int k = 1; k <= 3; k++) fprintf(f, "variable force%d atom f_after[%d]-f_before[%d]\n", k, k, k);
+    fprintf(f,
+            "variable touch atom \"v_force1 != 0 || v_force2 != 0 || v_force3 != 0\"\n"
+            "dump walls all custom 1 /dev/stdout id v_touch v_force1 v_force2 v_force3\n"
+            "dump_modify walls sort id thresh v_touch > 0 %s\n",
+            how);
+}
+
+static void write_walls_dump(FILE *f, const struct dem_walls *w, const char *how) {
+    fprintf(f, "variable touch atom f_wall0[1]");
+    for (int i = 1; i < w->n; i++) fprintf(f, "+f_wall%d[1]", i);
+    fprintf(f, "\ndump walls all custom 1 /dev/stdout id");
+    for (int i = 0; i < w->n; i++)
+        for (int k = 1; k <= DEM_WALL_COLUMNS; k++) fprintf(f, " f_wall%d[%d]", i, k);
+    fprintf(f, "\ndump_modify walls sort id thresh v_touch > 0 %s\n", how);
+}
+
 /* The dumps of a moment, which dem_engine.c asks for: all computing for them is then, as no thermo output needs it.
  * Hexadecimal numbers are exact, and quicker than 17 decimal digits. The rows of walls are long, but few grains touch
  * one. */
@@ -113,24 +145,23 @@ static void write_dumps(FILE *f, const struct dem_walls *w) {
             "dump grains all custom 1 /dev/stdout id x y z vx vy vz omegax omegay omegaz\n"
             "dump_modify grains sort id %s\n",
             how);
-    if (w->n) fprintf(f, "variable touch atom f_wall0[1]");
-    for (int i = 1; i < w->n; i++) fprintf(f, "+f_wall%d[1]", i);
-    if (w->n) fprintf(f, "\ndump walls all custom 1 /dev/stdout id");
-    for (int i = 0; i < w->n; i++)
-        for (int k = 1; k <= DEM_WALL_COLUMNS; k++) fprintf(f, " f_wall%d[%d]", i, k);
-    if (w->n) fprintf(f, "\ndump_modify walls sort id thresh v_touch > 0 %s\n", how);
+    if (w->n && w->facets)
+        write_surface_dump(f, how);
+    else if (w->n)
+        write_walls_dump(f, w, how);
     fprintf(f, "dump contacts all local 1 /dev/stdout c_names[1] c_names[2]");
     for (int k = 1; k <= 6; k++) fprintf(f, " c_forces[%d]", k);
     fprintf(f, "\ndump_modify contacts %s\n", how);
 }
 
-static void write_deck(FILE *f, const struct dem_law *law, const char *data, const char *restart) {
+static void write_deck(FILE *f, const struct dem_law *law, const char *folder, const char *data, const char *restart) {
     const struct dem_walls *w = law->walls;
     write_start(f, law, data, restart);
     fprintf(f, "pair_style granular\npair_coeff * * ");
     write_law(f, &law->pair);
     fprintf(f, "\n");
-    for (int i = 0; i < w->n; i++)
+    if (w->facets) write_surface(f, w, folder);
+    for (int i = 0; i < w->n && !w->facets; i++)
         if (w->wall[i].axis >= 0)
             write_side(f, w, i);
         else
@@ -153,7 +184,7 @@ static bool lammps_opens(const char *path) {
     return true;
 }
 
-status dem_deck(const struct dem_law *law, const char *data, const char *restart, char **out) {
+status dem_deck(const struct dem_law *law, const char *folder, const char *data, const char *restart, char **out) {
     size_t size;
     const char *path = restart ? restart : data;
     *out = NULL;
@@ -165,8 +196,32 @@ status dem_deck(const struct dem_law *law, const char *data, const char *restart
             path);
     FILE *f = open_memstream(out, &size);
     if (!f) return fail(ERR_SYSTEM, "no memory for the commands of LAMMPS");
-    write_deck(f, law, data, restart);
+    write_deck(f, law, folder, data, restart);
     return fclose(f) ? fail(ERR_SYSTEM, "no memory for the commands of LAMMPS") : OK;
+}
+
+static void write_triangle(FILE *f, const struct facet *t) {
+    fprintf(f, "facet normal %.9g %.9g %.9g\nouter loop\n", t->normal[0], t->normal[1], t->normal[2]);
+    for (int j = 0; j < 3; j++)
+        fprintf(f, "vertex %.17g %.17g %.17g\n", t->corner[j][0], t->corner[j][1], t->corner[j][2]);
+    fprintf(f, "endloop\nendfacet\n");
+}
+
+status dem_deck_surface(const struct dem_walls *w, const char *folder) {
+    for (int i = 0; i < w->n; i++) {
+        char path[4096];
+        FILE *f;
+        snprintf(path, sizeof path, "%s/wall%d.stl", folder, i);
+        const int why = file_create_stream(path, &f);
+        if (why) return file_error(path, "cannot be written", why);
+        fprintf(f, "solid wall%d\n", i);
+        for (int j = 0; j < w->facets->own; j++)
+            if (w->facets->facet[j].wall == w->wall[i].patch) write_triangle(f, &w->facets->facet[j]);
+        fprintf(f, "endsolid wall%d\n", i);
+        const bool failed = ferror(f);
+        if (fclose(f) || failed) return fail(ERR_SYSTEM, "%s: cannot be written (disk full?)", path);
+    }
+    return OK;
 }
 
 static void write_data(FILE *f, const struct dem_law *law, const struct dem_moment *g) {

@@ -54,7 +54,7 @@ static status keep_text(const char *folder, const char *text) {
 
 static status send_deck(struct dem_engine *e, const char *data, const char *restart, bool keep) {
     char *text = NULL;
-    status s = dem_deck(&e->law, data, restart, &text);
+    status s = dem_deck(&e->law, e->folder, data, restart, &text);
     if (!s && keep) s = keep_text(e->folder, text);
     if (!s) lammps_send(e->lammps, "%s", text);
     free(text);
@@ -73,6 +73,7 @@ static status fill(struct dem_engine *e, int ranks, const char *folder, const st
     TRY(allocate(&e->index, nold + 1, sizeof(int), "grains"));
     TRY(lammps_start(ranks, &e->lammps));
     if (start) TRY(dem_deck_data(law, start, data));
+    if (law->walls->facets) TRY(dem_deck_surface(law->walls, folder));
     return send_deck(e, data, restart, true);
 }
 
@@ -163,18 +164,24 @@ static void split(struct dem_contact *c, double touch, const double *force) {
     }
 }
 
+/* How many walls give forces of their own? Those of triangles give the sum of their forces on a grain. */
+static int columns_of(const struct dem_walls *w) {
+    return w->facets ? 1 : w->n;
+}
+
 static status take_wall_row(struct dem_engine *e, const double *row, struct dem_moment *m) {
     const struct dem_walls *w = e->law.walls;
     const int i = row[0] >= 1 && row[0] <= e->nold ? e->index[(int)row[0]] : -1;
     if (i < 0) return fail(ERR_SYSTEM, "LAMMPS has a contact of grain %g with a wall", row[0]);
-    for (int j = 0; j < w->n; j++) {
+    for (int j = 0; j < columns_of(w); j++) {
+        const int wall = w->facets ? dem_wall_at(w, m->x[i]) : j;
         const double *force = row + 1 + (long)DEM_WALL_COLUMNS * j;
         struct dem_contact *c = NULL;
         double near[3];
         if (force[0] == 0) continue;
-        dem_wall_nearest(w, j, m->x[i], near);
+        dem_wall_nearest(w, wall, m->x[i], near);
         TRY(next_contact(m, &c));
-        *c = (struct dem_contact){.a = i, .b = -1 - j};
+        *c = (struct dem_contact){.a = i, .b = -1 - wall};
         for (int k = 0; k < w->dim; k++) c->branch[k] = m->x[i][k] - near[k];
         split(c, 0.5 * e->law.diameter, force + 1);
         if (c->overlap <= 0) m->ncontacts--;
@@ -189,7 +196,7 @@ static status take_walls(struct dem_engine *e, struct dem_moment *m) {
     if (!e->law.walls->n) return OK;
     TRY(lammps_dump(e->lammps, &n));
     for (long i = 0; i < n; i++) {
-        TRY(lammps_row(e->lammps, 1 + DEM_WALL_COLUMNS * e->law.walls->n, row));
+        TRY(lammps_row(e->lammps, 1 + DEM_WALL_COLUMNS * columns_of(e->law.walls), row));
         TRY(take_wall_row(e, row, m));
     }
     return OK;

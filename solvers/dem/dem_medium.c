@@ -98,10 +98,17 @@ static void print_walls(FILE *f, const struct dem_run *r) {
         if (r->walls.periodic[k]) fprintf(f, "    %c %-20s periodic\n", "xyz"[s->axis[k]], "");
     for (int i = 0; i < r->walls.n; i++) {
         const struct dem_wall *w = &r->walls.wall[i];
+        if (r->walls.facets) {
+            fprintf(f, "    %-22s triangles, friction %g\n", s->mesh->patch[w->patch].name, w->law.friction);
+            continue;
+        }
         fprintf(f, "    %-22s %s, normal (%.4g %.4g %.4g), friction %g\n", s->mesh->patch[w->patch].name,
                 w->axis >= 0 ? "side of the box" : "rectangle", w->normal[0], w->normal[1], w->normal[2],
                 w->law.friction);
     }
+    if (r->walls.facets)
+        fprintf(f, "    %-22s their friction springs begin anew at each written time (fix surface/global)\n",
+                "triangles");
 }
 
 static void print_start(FILE *f, const struct dem_run *r) {
@@ -278,8 +285,8 @@ static status medium_save(const struct medium *m, const char *folder, const char
 
 /* Lists the boundary conditions: any wall of the gas is one, smooth where U slips. */
 static void list_boundaries(FILE *f) {
-    fprintf(f, "  %-14s %-16s %s\n", "slip, symmetry", "U", "flat smooth wall (friction: walls of particleProperties)");
-    fprintf(f, "  %-14s %-16s %s\n", "noSlip ..", "U", "flat wall with the friction of `contact`");
+    fprintf(f, "  %-14s %-16s %s\n", "slip, symmetry", "U", "smooth wall (friction: walls of particleProperties)");
+    fprintf(f, "  %-14s %-16s %s\n", "noSlip ..", "U", "wall with the friction of `contact`");
     fprintf(f, "  %-14s %-16s %s\n", "zeroGradient", "U, scalars", "grains leave there; for scalars also on walls");
     fprintf(f, "  %-14s %-16s %s\n", "granularWall", "T", "restitution e; of impacts on that wall, as in the gas");
     fprintf(f, "  %-14s %-16s %s\n", "cyclic, empty", "scalars, U", "on patches of these types");

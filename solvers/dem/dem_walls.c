@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Groups faces of patches by plane, cuts planes into connected pieces and makes rectangles of them (dem_walls.h). */
+/* Groups faces of patches by plane, cuts planes into connected pieces and makes rectangles of them, or takes the
+ * triangles of each patch as they are (dem_walls.h). */
 #include "solvers/dem/dem_walls.h"
 
 #include "libcore/models/boundary.h"
@@ -125,6 +126,58 @@ static status add_cyclic(const struct setup *s, int p, struct dem_walls *w) {
                 s->mesh_path, s->mesh->patch[p].name);
 }
 
+/* ---- triangles ---- */
+
+static struct contact_law law_of(const struct grains_models *m, const struct wall_plane *p) {
+    return contact_wall(&m->contact, m->grain.diameter, m->grain.mass, p->restitution, p->friction);
+}
+
+static status add_surface(const struct setup *s, const struct grains_models *m, const struct wall_plane *of,
+                          struct dem_walls *w) {
+    const char *name = s->mesh->patch[of->patch].name;
+    if (dot(of->velocity, of->velocity) > 0)
+        return fail(
+            ERR_INPUT,
+            "%s: patch %s: it moves, and walls of the mesh are no rectangles; granularDEM moves whole sides of a box "
+            "alone: let it be at rest",
+            s->mesh_path, name);
+    if (w->n == DEM_MOST_WALLS)
+        return fail(ERR_INPUT, "%s: there are more than %d patches of walls; join some", s->mesh_path, DEM_MOST_WALLS);
+    w->wall[w->n++] = (struct dem_wall){.patch = of->patch, .axis = -1, .law = law_of(m, of)};
+    return OK;
+}
+
+/* Grains that leave go on to the border of the box around the mesh, where LAMMPS takes them away. */
+static status check_outlet(const struct setup *s, int p, const struct dem_walls *w) {
+    const struct patch *patch = &s->mesh->patch[p];
+    for (int f = patch->start; f < patch->start + patch->nfaces; f++) {
+        double centre[3], area[3];
+        bool side = false;
+        polymesh_one_face(s->mesh, f, centre, area);
+        for (int k = 0; k < w->dim; k++) {
+            const double size = sqrt(dot(area, area)), at = centre[s->axis[k]];
+            side |= fabs(area[s->axis[k]]) > (1 - 1e-9) * size &&
+                    fmin(fabs(at - w->low[k]), fabs(at - w->high[k])) < 1e-7 * (w->high[k] - w->low[k]);
+        }
+        if (!side)
+            return fail(ERR_INPUT,
+                        "%s: patch %s: grains leave there, and it lies on no side of the box around the mesh; let it "
+                        "lie on one",
+                        s->mesh_path, patch->name);
+    }
+    return OK;
+}
+
+static status check_surface(const struct setup *s, const struct dem_walls *w) {
+    for (int k = 0; k < w->dim; k++)
+        if (w->periodic[k])
+            return fail(ERR_INPUT,
+                        "%s: walls are no rectangles, and patches are cyclic: LAMMPS does not document its surfaces in "
+                        "periodic space; use a mesh whose walls are flat rectangles",
+                        s->mesh_path);
+    return OK;
+}
+
 static status add_patches(const struct setup *s, const struct grains_models *m, const struct field *U,
                           struct dem_walls *w, struct work *k) {
     for (int p = 0; p < s->mesh->npatches; p++) {
@@ -137,10 +190,11 @@ static status add_patches(const struct setup *s, const struct grains_models *m, 
         else if (boundary_is_wall(type)) {
             struct wall_plane plane = plane_of(m, type, p);
             TRY(take_velocity(s, U, &plane));
-            TRY(add_patch(s, plane, k));
-        } else if (!strcmp(q->type, "zeroGradient"))
+            TRY(w->facets ? add_surface(s, m, &plane, w) : add_patch(s, plane, k));
+        } else if (!strcmp(q->type, "zeroGradient")) {
             w->open = true;
-        else
+            if (!s->lattice) TRY(check_outlet(s, p, w));
+        } else
             return fail(ERR_INPUT,
                         "%s:%d: patch %s: type is %s; granularDEM has walls (noSlip, slip, symmetry), cyclic patches "
                         "and zeroGradient, which lets grains out: use one of them",
@@ -250,7 +304,7 @@ static status add_piece(const struct setup *s, const struct grains_models *m, co
         out->corner[a] = p->offset * p->normal[a] + x.low[0] * e[0][a] + x.low[1] * e[1][a];
         for (int j = 0; j < 2; j++) out->edge[j][a] = (x.high[j] - x.low[j]) * e[j][a];
     }
-    out->law = contact_wall(&m->contact, m->grain.diameter, m->grain.mass, p->restitution, p->friction);
+    out->law = law_of(m, p);
     find_side(w, k->size, out);
     memcpy(out->velocity, p->velocity, sizeof out->velocity);
     if (out->axis >= 0 || dot(p->velocity, p->velocity) == 0) return OK;
@@ -304,14 +358,15 @@ static status make(const struct setup *s, const struct grains_models *m, const s
     TRY(allocate(&k->seen, s->mesh->npoints, sizeof(bool), "walls"));
     for (int a = 0; a < 3; a++) k->size = fmax(k->size, w->high[a] - w->low[a]);
     TRY(add_patches(s, m, U, w, k));
+    if (w->facets) return check_surface(s, w);
     for (int i = 0; i < k->planes; i++) TRY(add_pieces(s, m, k, i, w));
     return check_joints(s, m, w, k->size);
 }
 
 status dem_walls_make(const struct setup *s, const struct grains_models *m, const struct field *U,
-                      struct dem_walls *out) {
+                      const struct facets *facets, struct dem_walls *out) {
     struct work k = {.n = 0};
-    *out = (struct dem_walls){.dim = s->dim};
+    *out = (struct dem_walls){.dim = s->dim, .facets = facets};
     TRY(setup_complete(s));
     measure(s, out);
     const status e = make(s, m, U, out, &k);
@@ -333,9 +388,46 @@ bool dem_wall_goes_on(const struct dem_walls *w, const struct dem_wall *wall, in
     return fabs(wall->corner[axis] + end * e[axis] - border) < 1e-7 * (w->high[axis] - w->low[axis]);
 }
 
+/* Is the box around a facet farther from x than `away`? */
+static bool is_beyond(const struct facet *f, int dim, const double x[3], double away) {
+    for (int k = 0; k < dim; k++)
+        if (x[k] < f->low[k] - away || x[k] > f->high[k] + away) return true;
+    return false;
+}
+
+static void nearest_facet(const struct dem_walls *w, int wall, const double x[3], double out[3]) {
+    double least = HUGE_VAL, normal[3];
+    for (int i = 0; i < w->facets->n; i++) {
+        const struct facet *f = &w->facets->facet[i];
+        if (f->wall != w->wall[wall].patch || is_beyond(f, w->dim, x, least)) continue;
+        const double away = facet_distance(f, w->dim, x, normal);
+        if (away >= least) continue;
+        least = away;
+        for (int k = 0; k < 3; k++) out[k] = x[k] - away * normal[k];
+    }
+}
+
+int dem_wall_at(const struct dem_walls *w, const double x[3]) {
+    double least = HUGE_VAL;
+    int wall = 0;
+    for (int j = 0; j < w->n; j++) {
+        double at[3], square = 0;
+        dem_wall_nearest(w, j, x, at);
+        for (int k = 0; k < w->dim; k++) square += (x[k] - at[k]) * (x[k] - at[k]);
+        if (square >= least) continue;
+        least = square;
+        wall = j;
+    }
+    return wall;
+}
+
 void dem_wall_nearest(const struct dem_walls *w, int wall, const double x[3], double out[3]) {
     const struct dem_wall *a = &w->wall[wall];
     double from[3];
+    if (w->facets) {
+        nearest_facet(w, wall, x, out);
+        return;
+    }
     for (int k = 0; k < 3; k++) {
         from[k] = x[k] - a->corner[k];
         out[k] = a->corner[k];

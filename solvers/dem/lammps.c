@@ -138,6 +138,7 @@ status lammps_ask(struct lammps_abilities *out) {
         pair |= lists(l->line, "granular");
         wall |= lists(l->line, "wall/gran");
         region |= lists(l->line, "wall/gran/region");
+        out->surface |= lists(l->line, "surface/global");
     }
     (void)end(l);
     lammps_free(l);

@@ -10,9 +10,12 @@
 
 #include "mesh/base/status.h"
 
+#include <stdbool.h>
+
 struct lammps;
 struct lammps_abilities {
     char version[64]; /* "29 Sep 2021 - Update 2" */
+    bool surface;     /* has it fix surface/global, of its package GRANSURF? */
 };
 /* Asks the program what it can. Fails with ERR_SYSTEM if it is missing, or lacks pair_style granular, fix wall/gran and
  * wall/gran/region, its package GRANULAR; the error names Debian's package. */

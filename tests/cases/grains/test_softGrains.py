@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """granularDEM through the real program, with LAMMPS: single impacts beside an independent integration, rolling, energy, restarts to the
-bit, joints of walls, fields against grains and contacts, errors. Without lmp all is skipped but the errors of the case."""
+bit, joints of walls, walls of triangles, fields against grains and contacts, errors. Without lmp all is skipped but the errors of the case."""
 import os
 import re
 import shutil
 import subprocess
+import sys
 import unittest
 
 import numpy as np
@@ -90,6 +91,121 @@ def restitution(radius, mass, speed, steps=4000):
         y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + h * k3))
         if y[0] <= 0:
             return -y[1] / speed
+
+
+# A room with a floor and a lid that are no rectangles
+PRISM = """Point(1) = {0, 0, 0, 4}; Point(2) = {10, 0, 0, 4}; Point(3) = {0, 0, 10, 4};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1};
+Curve Loop(1) = {1:3}; Plane Surface(1) = {1};
+all[] = Extrude {0, 8, 0} { Surface{1}; };
+Physical Surface("floor") = {1}; Physical Surface("lid") = {all[0]}; Physical Surface("sides") = {all[2], all[3], all[4]}; Physical Volume("gas") = {all[1]};
+"""
+# Stands for a LAMMPS with fix surface/global, which no package has: it runs the LAMMPS that is installed, and replaces that fix by the planes of PRISM.
+STAND_IN = """#!{python}
+import subprocess, sys
+if sys.argv[1] == "-h":
+    print("Large-scale Atomic/Molecular Massively Parallel Simulator - 4 Jul 2026\\n\\ngranular  wall/gran  wall/gran/region  {style}")
+    sys.exit()
+child = subprocess.Popen(["{lammps}", *sys.argv[1:]], stdin=subprocess.PIPE, text=True, bufsize=1)
+fix = ""
+for line in iter(sys.stdin.readline, ""):
+    if fix or line.startswith("fix surface "):
+        fix += line
+        if line.endswith("&\\n"):
+            continue
+        law = fix.split(" granular ")[1].split(" &")[0].strip()
+        planes = ("0 0 0 0 1 0", "0 8 0 0 -1 0", "0 0 0 1 0 0", "0 0 0 0 0 1", "10 0 0 -1 0 -1")
+        line = "".join(f"region plane{{i}} plane {{p}} units box\\n" for i, p in enumerate(planes))
+        line += "region room intersect 5 plane0 plane1 plane2 plane3 plane4\\nfix surface all wall/gran/region granular " + law + " region room\\n"
+        fix = ""
+    child.stdin.write(line)
+child.stdin.close()
+sys.exit(child.wait())
+"""
+
+
+class Triangles(harness.Folder, unittest.TestCase):
+    """Walls that are no rectangles, by fix surface/global of LAMMPS: the commands as its documentation has them (4 Jul 2026)."""
+
+    def prism(self, name, style="surface/global", U=None, **options):
+        case = os.path.join(self.folder, name)
+        rooms.make(case, PRISM, dim=3, end=1, interval=0.5, g=-1, particles="contact { type linear; stiffness 1e4; restitution 0.3; friction 0.5; impactSpeed 0.1; }\nwalls { lid { friction 0.4; } }\n", **options)
+        harness.edit(case, "system/controlDict", application="granularDEM")
+        hard.cloud(case, [(3, 0.4, 3, 0)], [(0, 0, 0)])
+        if U:
+            harness.edit(case, "0/U", boundaryField="{ " + U + ' ".*" { type slip; } }')
+        programs = os.path.join(self.folder, f"programs {name}")
+        os.makedirs(programs)
+        with open(os.path.join(programs, "lmp"), "w") as f:
+            f.write(STAND_IN.format(python=sys.executable, lammps=LAMMPS, style=style))
+        os.chmod(f.name, 0o755)
+        path = os.environ["PATH"]
+        os.environ["PATH"] = programs + os.pathsep + path
+        try:
+            done = harness.program("granularDEM", "-case", case, check=False)
+        finally:
+            os.environ["PATH"] = path
+        return case, done
+
+    def test_refused(self):
+        _, done = self.prism("refused", style="")
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"patch floor: a flat wall is no rectangle; .* Other walls need fix surface/global of LAMMPS \(package GRANSURF, in 4 Jul 2026 and later\), which this lmp \(4 Jul 2026\) lacks")
+
+        for name, U, said in (("moves", "lid { type translatingWallVelocity; U (1 0 0); }", "patch lid: it moves, and walls of the mesh are no rectangles"),
+                              ("leans", "sides { type zeroGradient; }", "patch sides: grains leave there, and it lies on no side of the box around the mesh")):
+            _, done = self.prism(name, U=U)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(said, done.stderr)
+
+    @unittest.skipUnless(LAMMPS, MISSING)
+    def test_commands(self):
+        case, done = self.prism("commands")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"lid +triangles, friction 0.4\n")
+        with open(os.path.join(case, "dem", "in.lammps")) as f:
+            text = f.read()
+        loss = -np.log(0.3)
+        damper = 2 * loss * np.sqrt(1e4 / (np.pi**2 + loss**2))
+        found = text[text.index("fix before"):text.index("variable gravity")].splitlines()
+        names = ("floor", "lid", "sides")
+        order = sorted(names, key=list(harness.haff.Case(case).mesh.patches).index)
+        self.assertEqual(found[:2], ["fix before all store/force", "fix surface all surface/global &"])
+        self.assertEqual(found[2:5], [f'    input stl {i + 1} 1 "{case}/dem/wall{i}.stl" &' for i in range(3)])
+        for i, line in enumerate(found[5:8]):
+            tangent = "linear_history 2857.142857 0 0.40000000000000002" if order[i] == "lid" else "linear_nohistory 0 0"
+            words = re.sub(r"(2857\.142857)\d*", r"\1", line).split(" ")
+            self.assertAlmostEqual(float(words.pop(10)), damper, delta=1e-9 * damper)
+            self.assertEqual(" ".join(words), f"    model 1 {i + 1} granular hooke 10000 tangential {tangent} damping velocity{' &' if i < 2 else ''}")
+        self.assertEqual(found[8:], ["fix after all store/force"])
+        self.triangles(case, order)
+
+    def triangles(self, case, order):
+        """The files have the area of the patches, and together they are closed: corners that triangles share have the same text."""
+        areas, sides = {"floor": 50, "lid": 50, "sides": 8 * (20 + 10 * np.sqrt(2))}, {}
+        for i, name in enumerate(order):
+            with open(os.path.join(case, "dem", f"wall{i}.stl")) as f:
+                corners = [line.split()[1:] for line in f if line.startswith("vertex")]
+            x = np.array(corners, dtype=float).reshape(-1, 3, 3)
+            self.assertAlmostEqual(np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1).sum() / 2, areas[name], delta=1e-9)
+            for j in range(0, len(corners), 3):
+                for a, b in ((0, 1), (1, 2), (2, 0)):
+                    key = tuple(sorted((tuple(corners[j + a]), tuple(corners[j + b]))))
+                    sides[key] = sides.get(key, 0) + 1
+        self.assertEqual(set(sides.values()), {2})
+
+    @unittest.skipUnless(LAMMPS, MISSING)
+    def test_forces(self):
+        """A grain at rest presses on the floor with its weight, which fix store/force gives, and bends the spring of that contact."""
+        case, done = self.prism("forces")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows, column = table(case)
+        last = rows[-1]
+        for name, i in column.items():
+            if name.startswith("force"):
+                self.assertAlmostEqual(last[i], -1 if "floor_y" in name else 0, delta=1e-6, msg=name)
+        self.assertEqual(last[column["contacts"]], 1)
+        self.assertAlmostEqual(last[column["normalSpring"]], 0.5 / 1e4, delta=1e-9)
 
 
 @unittest.skipUnless(LAMMPS, MISSING)
