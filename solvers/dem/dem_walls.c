@@ -295,7 +295,9 @@ static status add_piece(const struct setup *s, const struct grains_models *m, co
                     "other shapes as several rectangles that do not lie in one plane",
                     s->mesh_path, name);
     if (w->n == DEM_MOST_WALLS)
-        return fail(ERR_INPUT, "%s: there are more than %d flat walls; each costs as much as a grain's neighbour",
+        return fail(ERR_INPUT,
+                    "%s: there are more than %d flat walls; each costs as much as a grain's neighbour: let the walls "
+                    "have fewer planes",
                     s->mesh_path, DEM_MOST_WALLS);
     struct dem_wall *out = &w->wall[w->n++];
     *out = (struct dem_wall){.patch = p->patch};

@@ -485,6 +485,26 @@ class Beds(harness.Folder, unittest.TestCase):
         for key, value in end(whole, "2").items():
             np.testing.assert_array_equal(value, end(parts, "2")[key], err_msg=key)
 
+    def test_hopper_opens(self):
+        """Grains fall out of the hopper's floor, a side of the box around the mesh, and are counted; through a leaning wall they may not."""
+        for floor, others in ((1, "2:6"), (2, "1, 3:6")):
+            case = os.path.join(self.folder, f"hopper {floor}")
+            geo = HOPPER.replace('("walls") = {1:6}', f'("walls") = {{{others}}}; Physical Curve("outlet") = {{{floor}}}')
+            rooms.make(case, geo, end=4, interval=4, g=-1, particles="contact { type linear; stiffness 1e4; restitution 0.8; friction 0.5; }\n")
+            harness.edit(case, "system/controlDict", application="granularDEM")
+            harness.edit(case, "0/U", boundaryField='{ outlet { type zeroGradient; } "front|back" { type empty; } ".*" { type slip; } }')
+            done = harness.program("granularDEM", "-case", case, check=False)
+            if floor == 2:
+                self.assertIn("patch outlet: grains leave there, and it lies on no side of the box around the mesh; let it lie on one", done.stderr)
+                continue
+            self.assertEqual(done.returncode, 0, done.stderr)
+            rows, column = table(case)
+            self.assertTrue((np.diff(rows[:, column["grains"]]) <= 0).all())
+            self.assertLess(rows[-1, column["grains"]], rows[0, column["grains"]] - 10)
+            x = grains.read(harness.haff.Case(case), "4")["x"]
+            self.assertTrue(0 < len(x) <= rows[-1, column["grains"]])
+            self.assertGreaterEqual(x[:, 1].min(), 0)
+
     def test_ranks(self):
         """On two ranks LAMMPS adds in another order: the same motion to round-off for some impacts."""
         one, two = (self.bed(n, end=0.005, interval=0.005) for n in ("one rank", "two ranks"))
