@@ -608,9 +608,8 @@ static status check_patch(struct field *f, const struct field_place *place, int 
 status field_check_range(struct field *f, const struct field_place *place, double low, double high, const char *cure) {
     const double step = cure ? 0 : HUGE_VAL;
     f->range = (struct varying_range){nextafter(low, low - step), fmin(nextafter(high, high + step), MOST_NUMBER), ""};
-    snprintf(f->range.allowed, sizeof f->range.allowed,
-             isinf(high) ? "be greater than %g and below 1e60" : "lie between %g and %g%s", low, high,
-             cure ? cure : "");
+    const char *text = isinf(high) ? "be greater than %g and below 1e60" : "lie between %g and %g%s";
+    snprintf(f->range.allowed, sizeof f->range.allowed, text, low, high, cure ? cure : "");
     for (long i = 0; i < field_ncells(place); i++)
         if (!(f->values[i] > f->range.low && f->values[i] < f->range.high))
             return field_fail(f, place, i, "it must %s", f->range.allowed);

@@ -240,7 +240,7 @@ class Viscous(harness.Folder, unittest.TestCase):
             done = harness.program("granularGas", "-case", self.moving_wall(f"wrong{len(words)}", U), check=False)
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stdout + done.stderr, words)
-        for cold, words in (("granularWall; restitution 1.2", "between 0 and 1"), ("granularWall; restitution uniform 0.8", "number"),
+        for cold, words in (("granularWall; restitution 1.2", "restitution is 1.2; allowed is 0 .. 1"), ("granularWall; restitution uniform 0.8", "number"),
                             ("granularWall; restitutoin 0.8", "'restitution' is missing"), ("granularWal; restitution 1", "did you mean 'granularWall'")):
             done = harness.program("granularGas", "-case", self.moving_wall("wrongT", cold=cold), check=False)
             self.assertEqual(done.returncode, 1)

@@ -160,7 +160,7 @@ class Lattices(harness.Folder, unittest.TestCase):
     def test_grains(self):
         """Walls of grains do not rotate."""
         U = "rotatingWallVelocity; origin (0.3 0.3 1); axis (0 0 1); omega 8; value uniform (0 0 0)"
-        for program, says in (("granularMD", "patch zHigh: type is rotatingWallVelocity; walls of grains are smooth: use  slip;"),
+        for program, says in (("granularMD", "patch zHigh: type is rotatingWallVelocity; walls of grains are smooth or rough: use  slip;  or  JohnsonJacksonSlip;"),
                               ("granularDEM", "patch zHigh: walls of granularDEM do not rotate: give  noSlip;  (a wall at rest) or run granularGas")):
             case = self.plate(U, "slip")
             harness.edit(case, "system/controlDict", application=program)

@@ -101,7 +101,7 @@ class RoughWalls(harness.Folder, unittest.TestCase):
 
     def test_refused(self):
         for file, old, new, words in (
-                ("0.orig/U", LID, LID.replace("Coefficient 1;", "Coefficient 1.01;"), ("'specularityCoefficient' is 1.01", "between 0 and 1")),
+                ("0.orig/U", LID, LID.replace("Coefficient 1;", "Coefficient 1.01;"), ("specularityCoefficient is 1.01; allowed is 0 .. 1",)),
                 ("0.orig/U", LID, LID.replace("specularityCoefficient 1;", ""), ("'specularityCoefficient' is missing",)),
                 ("0.orig/U", LID, LID.replace("value uniform ", "velocity uniform "), ("'value' is missing",)),
                 ("0.orig/U", LID + "(2 0 0)", LID + "(2 0.1 0)", ("patch lid: U (2 0.1 0) leads through the wall",)),
