@@ -104,7 +104,7 @@ class Problems(harness.Folder, unittest.TestCase):
         for words, says in ((["-chute", "95"], "up to 60"), (["-silo", "5"], "an even number of 4 to 24"), (["-column", "20"], "0.2 to 10"),
                             (["-chute", "20", "-silo"], "leave out  -silo"), (["-chute", "20", "-box", "1x1"], "leave out  -box"),
                             (["-chute", "20", "-gravity", "0,-1,0"], "give its size"), (["-column", "-cells", "4x4"], "cells of its own"),
-                            (["-chute", "20", "-application", "granularMD"], "a problem of granularGas"), (["-silo", "-diameter", "-1"], "it is positive")):
+                            (["-chute", "20", "-application", "granularMD"], "a problem of granularGas"), (["-silo", "-diameter", "-1"], "a number above 0")):
             self.assertIn(says, self.call("refused", *words, code=2))
         self.assertIn("walls are smooth", self.call("refused", "-box", "1x1", "-patch", "bottom=rough", "-application", "granularMD", code=1))
 
