@@ -134,7 +134,14 @@ static double energy(const struct problem *p, double *scale) {
     return kinetic + potential + grains_counted(p->grains)->lost;
 }
 
-/* Advances to that many impacts; an impact rounds the energy of one of n grains by some units in the last place. */
+/* The energy that n impacts may gain or lose by rounding: each some units in the last place of the energy of a grain,
+ * and under gravity what its place is rounded by, which goes up and down alike. */
+static double energy_rounding(const struct problem *p, double n, double scale) {
+    const double each = scale / p->n, gravity = fabs(p->law.gravity[p->box.dim - 1]);
+    return 2 * 0x1p-52 * (n + p->n) * each + sqrt(n) * gravity * rounding(p, sqrt(2 * each));
+}
+
+/* Advances to that many impacts. */
 static void advance(struct problem *p, int64_t impacts) {
     const struct grain_counts *c = grains_counted(p->grains);
     double largest, scale;
@@ -145,8 +152,7 @@ static void advance(struct problem *p, int64_t impacts) {
         judge_all(p);
     }
     const double change = fabs(energy(p, &scale) - start);
-    if (p->box.omega == 0)
-        p->bad = change / (2 * 0x1p-52 * (double)(c->pairs + c->walls + p->n) * fmax(largest, scale) / p->n);
+    if (p->box.omega == 0) p->bad = change / energy_rounding(p, (double)(c->pairs + c->walls), fmax(largest, scale));
 }
 
 static status run(struct problem *p, int64_t impacts, bool verbose, struct grain_counts *sum) {
