@@ -105,6 +105,13 @@ def start(case, lines=1, word="    written", command=(GAS,), **options):
     return going, "".join(text)
 
 
+def rest(going):
+    """(stdout, stderr) of a run since `start`, to its end. Popen.communicate would leave out the lines that the reader of `start` holds."""
+    said = going.stdout.read(), going.stderr.read()
+    going.wait(timeout=60)
+    return said
+
+
 def again(outcome, case, straight, name=END):
     """Takes the run up: it comes to the end of one that nothing happened to, byte by byte, and leaves nothing behind."""
     done = run(case)
@@ -141,7 +148,7 @@ def kills(folder, count, seed=1):
         if going.poll() is None and reported(text):
             time.sleep(chance.random() * moment)
         going.kill()
-        text += going.communicate(timeout=60)[0]
+        text += rest(going)[0]
         left = reported(text)[-3:]  # purgeWrite may be at work on the fourth
         outcome.take(case, "".join(f"    written: {name}\n" for name in left))
         if going.returncode == 0 or outcome.times == count:
@@ -220,7 +227,7 @@ def signals(folder):
         case = endless(folder, number.name)
         going, text = start(case, 2)
         going.send_signal(number)
-        text += going.communicate(timeout=60)[0]
+        text += rest(going)[0]
         outcome.take(case, last_lines(text), "".join(re.findall(r"stopped as asked.*", text)) if wish else "")
         if going.returncode != (0 if wish else -number):
             outcome.after.append(f"exit code {going.returncode}")
@@ -241,8 +248,8 @@ def ranks(folder, count=1):
             case = endless(folder, f"rank{victim}_{k}", n=(70, 40, 1))
             going, text = start(case, 2, command=(os.path.join(harness.BIN, "mpirun"), "-np", "2", GAS))
             os.kill(rank_process(going.pid, victim), signal.SIGKILL)
-            rest, error = going.communicate(timeout=120)
-            outcome.take(case, last_lines(text + rest), error or f"(no message; exit code {going.returncode})")
+            more, error = rest(going)
+            outcome.take(case, last_lines(text + more), error or f"(no message; exit code {going.returncode})")
             if not going.returncode:
                 outcome.after.append("exit code 0")
             to_an_end(outcome, folder, case, n=(70, 40, 1))
@@ -331,8 +338,8 @@ def closed_folder(folder):
             going, text = start(case, word="Time =", **who)
             os.chmod(case, 0o555)
             going.send_signal(signal.SIGTERM)
-            rest, error = going.communicate(timeout=60)
-            outcome.take(case, text + rest, error)
+            more, error = rest(going)
+            outcome.take(case, text + more, error)
             code = going.returncode
         else:
             os.chmod(case, 0o555)
@@ -353,8 +360,8 @@ def folder_gone(folder):
     going, text = start(case, word="Time =")
     os.rename(case, case + "_elsewhere")
     going.send_signal(signal.SIGTERM)
-    rest, error = going.communicate(timeout=60)
-    outcome.take(case, text + rest, error)
+    more, error = rest(going)
+    outcome.take(case, text + more, error)
     if going.returncode != 3 or os.path.exists(case):
         outcome.after.append(f"exit code {going.returncode}, made anew: {os.path.exists(case)}")
     return outcome
@@ -369,8 +376,8 @@ def folder_swapped(folder):
     os.rename(case, case + "_elsewhere")
     os.rename(other, case)
     going.send_signal(signal.SIGTERM)
-    rest, error = going.communicate(timeout=60)
-    outcome.take(case, text + rest, error)
+    more, error = rest(going)
+    outcome.take(case, text + more, error)
     if going.returncode != 3 or runs.contents(case, ignore=()) != before:
         outcome.after.append(f"exit code {going.returncode}")
     return outcome
@@ -415,7 +422,7 @@ def second_run(folder):
     going, text = start(case, 2)
     done = run(case)
     going.send_signal(signal.SIGTERM)
-    text += going.communicate(timeout=60)[0]
+    text += rest(going)[0]
     outcome.take(case, last_lines(text), done.stderr)
     if done.returncode != 1 or going.returncode:
         outcome.after.append(f"exit codes {done.returncode}, {going.returncode}")
@@ -487,8 +494,8 @@ def broken_control(folder):
         if "stays in force" in line:
             break
     going.send_signal(signal.SIGTERM)
-    rest, error = going.communicate(timeout=60)
-    outcome.take(case, last_lines(text + rest), line + error)
+    more, error = rest(going)
+    outcome.take(case, last_lines(text + more), line + error)
     if going.returncode:
         outcome.after.append(f"exit code {going.returncode}")
     with open(os.path.join(case, CONTROL), "w") as f:

@@ -161,7 +161,7 @@ class SlowDisk(harness.Folder, unittest.TestCase):
             command = (GAS,) if ranks == 1 else (os.path.join(harness.BIN, "mpirun"), "-np", "2", GAS)
             going, text = faults.start(case, 2, "Time =", command, env={**os.environ, **slow}, start_new_session=True)
             os.killpg(going.pid, signal.SIGKILL)
-            text += going.communicate(timeout=60)[0]
+            text += faults.rest(going)[0]
             for name in faults.reported(text):
                 self.assertTrue(faults.whole(case, name), name)
             self.assertLess(len(runs.times(case)), 3)
