@@ -27,8 +27,8 @@ struct cells_diffuser {                  /* lines of [size], a batch longer, or 
 /* Bodies of revolution (libcore/polyhedral/cells_turn.c). */
 status cells_turn_make(const struct gas *g, struct cells_turn **out);
 void cells_turn_free(struct cells_turn *t);
-/* Sets what faces and gradients see of S in cells from <= i < to, mirrors included: u_r/r and, in place of the line of
- * a swirl, its angular velocity. S holds the swirl, of a mirror that at its face. */
+/* Sets what faces and gradients see of S in cells from <= i < to, mirrors included: u_r/r, and the
+ * angular velocity of a swirl instead of its line. S holds the swirl, of a mirror that at its face. */
 void cells_turn_see(const struct gas *g, const struct cells_turn *t, int from, int to, double **S);
 /* Sets u_r/r on n faces from `at` on, and where the stress around the axis on them goes; u: the line of u_r. */
 void cells_turn_faces(const struct gas *g, struct cells_turn *t, int at, int n, const double *u, const double **around,

@@ -34,7 +34,7 @@ void vtu_head(struct sink *o, const char *kind, bool compressed, double t, long 
                 compressed ? " compressor=\"vtkZLibDataCompressor\"" : "");
 }
 
-/* Adds an array of so many bytes. */
+/* Adds an array of this number of bytes. */
 static status pack(struct vtu *u, const char *type, const char *name, int components, const void *data, size_t bytes) {
     const size_t blocks = (bytes + BLOCK - 1) / BLOCK, head = (3 + blocks) * sizeof(uint64_t);
     const size_t most = libdeflate_zlib_compress_bound(u->compressor, BLOCK);

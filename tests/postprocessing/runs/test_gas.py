@@ -90,7 +90,7 @@ class Gas(harness.Folder, unittest.TestCase):
         gas.close()
         with self.assertRaisesRegex(ValueError, "this haff.Gas is closed"):
             gas.step()
-        haff.Gas(path)  # which nobody holds: closed at once
+        haff.Gas(path)  # no name keeps it: closed at once
         harness.program("granularGas", "-case", path)
         with haff.Gas(path) as gas, self.assertRaisesRegex(ValueError, "the run has ended at 0.05"):
             gas.step()
