@@ -114,22 +114,45 @@ static void flatten_packed(const struct gas *g, const struct points *p, const do
             for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
 }
 
-/* The states of the polynomials on one side of points from <= i < from + n. */
-static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
+/* Are all states admissible by more than round-off? (NaN: no) */
+KERNEL static bool all_sound(int n, int dim, double least, double most, const double (*restrict at)[BATCH]) {
+    double kinetic[BATCH];
+    int sound = 1;
+    for (int i = 0; i < n; i++) kinetic[i] = 0;
+    for (int k = 1; k <= dim; k++)
+        for (int i = 0; i < n; i++) kinetic[i] += 0.5 * (at[k][i] * at[k][i]);
+    for (int i = 0; i < n; i++) {
+        const double internal = at[dim + 1][i] * at[0][i] - kinetic[i];
+        sound &= (at[0][i] > least) & (at[0][i] < most) & (internal > ROUND * kinetic[i]);
+    }
+    return sound;
+}
+
+/* Changes states by what the polynomials do not know, and moves them towards the averages of their cells. */
+static void correct_states(const struct gas *g, int side, int from, const double *const *U, const struct points *p,
+                           double (*at)[BATCH]) {
     const struct cells *c = g->cells;
     const int *of_face = side ? c->polyhedra->face.right : c->polyhedra->face.left;
-    double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], theta[BATCH], *out[MAX_VAR];
+    double average[MAX_VAR][BATCH], theta[BATCH];
     int cell[BATCH];
     gather_cells(p->n, p->face, of_face, cell);
-    for (int v = 0; v < g->nvar; v++) {
-        out[v] = at[v];
-        gather_line(p->n, cell, U[v], average[v]);
-    }
-    fit_points(c->fit, side, from, p->n, U, out);
+    for (int v = 0; v < g->nvar; v++) gather_line(p->n, cell, U[v], average[v]);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
     if (c->rest) cells_rest_add(g, from, p->n, cell, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
+}
+
+/* The states of the polynomials on one side of points from <= i < from + n. Fits keep states in the admissible set
+ * (fit_keep): only round-off can move them out. */
+static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
+    const struct cells *c = g->cells;
+    double at[MAX_VAR][BATCH], *out[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) out[v] = at[v];
+    fit_points(c->fit, side, from, p->n, U, out);
+    if (g->models.material.threshold > 0 || c->rest ||
+        !all_sound(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])at))
+        correct_states(g, side, from, U, p, at);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
