@@ -17,7 +17,8 @@ static const float EPSILON = 1e-4F;
 static const double OVER = 0.2;     /* how far CWENO3 may leave the range of its stencil, in units of that range */
 static const double TINY = 1e-300;  /* keeps 0/0 away, in any unit */
 static const double SHORT = 1e-150; /* the same, its square is one */
-static const float FAR = 1e9F;      /* bounds what sectors see, in units of scales: squares and ratios stay finite */
+static const float FAR = 1e9F;      /* bounds the ratios of the weights of sectors: their squares stay finite */
+static const double NEAR = 1e-9;    /* the least scale of sectors, over the changes: so do the squares of these */
 /* Share of an average's distance that is more than KEPT by any round-off: what is surely kept is kept. */
 static const double SURE = 1.001 * KEPT;
 
@@ -71,29 +72,19 @@ ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct movin
         f->square[m + 1][l] = energy * energy;
     }
 }
-/* Moves lines of (rho, m, E), or of their differences, into the frame (sign -1) or out of it (1). */
-ALWAYS_INLINE void boost(int m, double sign, const struct moving_frame *restrict f, double *const *line) {
-    double *restrict rho = line[0], *restrict E = line[m + 1], dot[LANES] = {0};
-    for (int k = 0; k < m; k++) {
-        double *restrict q = line[k + 1];
-        EACH_LANE {
-            dot[l] += f->velocity[k][l] * q[l];
-            q[l] = fma(sign * f->velocity[k][l], rho[l], q[l]);
-        }
+/* Moves (rho, m, E) of a lane, or their differences, into the frame (sign -1) or out of it (1). */
+ALWAYS_INLINE void boost(int m, double sign, const double *restrict velocity, double half_square, double *restrict q) {
+    double dot = 0;
+    UNROLL_ALL for (int k = 0; k < m; k++) {
+        dot += velocity[k] * q[k + 1];
+        q[k + 1] = fma(sign * velocity[k], q[0], q[k + 1]);
     }
-    EACH_LANE E[l] = fma(f->half_square[l], rho[l], E[l] + sign * dot[l]);
+    q[m + 1] = fma(half_square, q[0], q[m + 1] + sign * dot);
 }
 
 struct bounds {
     double low[LANES], high[LANES]; /* range of the stencil's values, less the cell's */
 };
-ALWAYS_INLINE void extend(struct bounds *restrict b, const double *restrict d) {
-    EACH_LANE {
-        b->low[l] = smaller(d[l], b->low[l]);
-        b->high[l] = larger(d[l], b->high[l]);
-    }
-}
-
 /* Limits a gradient, which comes from least squares with weights 1/distance^2, by the limiter of Barth & Jespersen
  * (AIAA 89-0366, 1989): values halfway to first-ring members stay within the values of the stencil, and face values are
  * cut to these bounds one by one, too. On a linear field the bounds are twice as far away as the values halfway,
@@ -148,14 +139,31 @@ KERNEL static void find_changes(const struct fit *f, int batch, const double *co
     }
 }
 
-/* Moves the changes into the frames of the cells, and finds their bounds. */
+/* Moves the changes into the frames of the cells, and finds their bounds (loops as in add_near). */
 ALWAYS_INLINE void move_all(int m, const struct fit *f, int batch, struct batch *restrict c) {
-    double *line[MAX_VAR];
-    for (int v = 0; v < m + 2; v++) EACH_LANE c->bounds[v].low[l] = c->bounds[v].high[l] = 0;
-    for (int j = 0; j < f->member.start[batch + 1] - f->member.start[batch]; j++) {
-        for (int v = 0; v < m + 2; v++) line[v] = change_of(f, j, v);
-        boost(m, -1, &c->frame, line);
-        for (int v = 0; v < m + 2; v++) extend(&c->bounds[v], line[v]);
+    const long n = f->member.start[batch + 1] - f->member.start[batch];
+    double *restrict change = f->change;
+    EACH_ALONE
+    EACH_LANE {
+        double u[MAX_DIM], low[MAX_VAR], high[MAX_VAR];
+        const double half = c->frame.half_square[l];
+        long j = 0;
+        UNROLL_ALL for (int k = 0; k < m; k++) u[k] = c->frame.velocity[k][l];
+        UNROLL_ALL for (int v = 0; v < m + 2; v++) low[v] = high[v] = 0;
+        do {
+            double q[MAX_VAR];
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) q[v] = change[(j * (m + 2) + v) * LANES + l];
+            boost(m, -1, u, half, q);
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) {
+                change[(j * (m + 2) + v) * LANES + l] = q[v];
+                low[v] = smaller(q[v], low[v]);
+                high[v] = larger(q[v], high[v]);
+            }
+        } while (++j < n);
+        UNROLL_ALL for (int v = 0; v < m + 2; v++) {
+            c->bounds[v].low[l] = low[v];
+            c->bounds[v].high[l] = high[v];
+        }
     }
 }
 KERNEL static void move_changes(int m, const struct fit *f, int batch, struct batch *restrict c) {
@@ -304,11 +312,21 @@ ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, const st
     const struct moving_frame *frame = &c->frame;
     if (f->most > 0 && !bounds_kept(m, f, own[0], frame, c->bounds, over) && !all_kept(m, f, batch, own[0], frame))
         draw_points(m, f, batch, own[0], frame);
-    for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
-        double *line[MAX_VAR];
-        for (int v = 0; v < m + 2; v++) line[v] = values_of(f, batch, v, j);
-        boost(m, 1, frame, line);
-        for (int v = 0; v < m + 2; v++) EACH_LANE line[v][l] += own[v][l];
+    double *restrict out = values_of(f, batch, 0, f->point.start[batch]);
+    const long n = f->point.start[batch + 1] - f->point.start[batch], apart = f->nvalues;
+    EACH_ALONE
+    EACH_LANE {
+        double u[MAX_DIM], mean[MAX_VAR];
+        const double half = frame->half_square[l];
+        long j = 0;
+        UNROLL_ALL for (int k = 0; k < m; k++) u[k] = frame->velocity[k][l];
+        UNROLL_ALL for (int v = 0; v < m + 2; v++) mean[v] = own[v][l];
+        do {
+            double q[MAX_VAR];
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) q[v] = out[v * apart + j * LANES + l];
+            boost(m, 1, u, half, q);
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) out[v * apart + j * LANES + l] = q[v] + mean[v];
+        } while (++j < n);
     }
 }
 
@@ -375,14 +393,15 @@ ALWAYS_INLINE int product(int dim, int i, int j) { /* place of x_i x_j, i <= j, 
     return dim + i * dim - i * (i - 1) / 2 + j - i;
 }
 
-/* The scales of the variables in the frame, and one over each. */
+/* The scales of the variables in the frame, and one over each; changes are at most 1/NEAR of them. */
 struct scales {
     double of[MAX_VAR][LANES], inverse[MAX_VAR][LANES];
 };
-ALWAYS_INLINE void find_scales(int m, const struct moving_frame *restrict f, struct scales *restrict s) {
+ALWAYS_INLINE void find_scales(int m, const struct batch *restrict c, struct scales *restrict s) {
     for (int v = 0; v < m + 2; v++) EACH_LANE {
-            s->of[v][l] = sqrt(f->square[v][l]);
-            s->inverse[v][l] = 1 / larger(s->of[v][l], SHORT);
+            const double most = larger(c->bounds[v].high[l], -c->bounds[v].low[l]);
+            s->of[v][l] = larger(larger(sqrt(c->frame.square[v][l]), most * NEAR), SHORT);
+            s->inverse[v][l] = 1 / s->of[v][l];
         }
 }
 
@@ -393,7 +412,7 @@ ALWAYS_INLINE void narrow_all(int m, const struct fit *f, int batch, const struc
         for (int v = 0; v < m + 2; v++) {
             const double *restrict change = change_of(f, j, v);
             float *restrict out = f->sector.change + ((long)j * (m + 2) + v) * LANES;
-            EACH_LANE out[l] = (float)larger(smaller(change[l] * s->inverse[v][l], FAR), -FAR);
+            EACH_LANE out[l] = (float)(change[l] * s->inverse[v][l]);
         }
 }
 KERNEL static void narrow_changes(int m, const struct fit *f, int batch, const struct scales *s) {
@@ -569,8 +588,8 @@ ALWAYS_INLINE void cweno3(int dim, int m, struct fit *f, int batch, const double
     struct scales scales;
     find_changes(f, batch, U, &c);
     find_frame(m, c.own, &c.frame);
-    find_scales(m, &c.frame, &scales);
     move_changes(m, f, batch, &c);
+    find_scales(m, &c, &scales);
     narrow_changes(m, f, batch, &scales);
     add_sectors(dim, m, f, batch);
     add_members(m, dim + quadratics(dim), f, batch, a);
