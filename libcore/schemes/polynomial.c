@@ -18,6 +18,7 @@ static const double OVER = 0.2;     /* how far CWENO3 may leave the range of its
 static const double TINY = 1e-300;  /* keeps 0/0 away, in any unit */
 static const double SHORT = 1e-150; /* the same, its square is one */
 static const float FAR = 1e9F;      /* bounds the ratios of the weights of sectors: their squares stay finite */
+static const float LITTLE = 1e-30F; /* the same in single precision */
 static const double NEAR = 1e-9;    /* the least scale of sectors, over the changes: so do the squares of these */
 /* Share of an average's distance that is more than KEPT by any round-off: what is surely kept is kept. */
 static const double SURE = 1.001 * KEPT;
@@ -183,8 +184,12 @@ ALWAYS_INLINE void add_near(int part, int nvar, int n, const double *restrict w,
         long j = 0;
         UNROLL_ALL for (int i = 0; i < nvar * part; i++) a[i] = 0;
         do {
-            UNROLL_ALL for (int v = 0; v < nvar; v++) UNROLL_ALL for (int k = 0; k < part; k++) a[v * part + k] =
-                fma(w[(j * part + k) * VECTOR + l], change[(j * nvar + v) * LANES + l], a[v * part + k]);
+            double x[5];
+            UNROLL_ALL for (int k = 0; k < part; k++) x[k] = w[(j * part + k) * VECTOR + l];
+            UNROLL_ALL for (int v = 0; v < nvar; v++) {
+                const double d = change[(j * nvar + v) * LANES + l];
+                UNROLL_ALL for (int k = 0; k < part; k++) a[v * part + k] = fma(x[k], d, a[v * part + k]);
+            }
         } while (++j < n);
         UNROLL_ALL for (int v = 0; v < nvar; v++) UNROLL_ALL for (int k = 0; k < part; k++)
             sum[(v * MAX_COEFFICIENT + k) * LANES + l] = a[v * part + k];
@@ -431,8 +436,12 @@ ALWAYS_INLINE void add_sector(int dim, int nvar, int n, const float *restrict w,
         long j = 0;
         UNROLL_ALL for (int i = 0; i < nvar * dim; i++) a[i] = 0;
         do {
-            UNROLL_ALL for (int v = 0; v < nvar; v++) UNROLL_ALL for (int k = 0; k < dim; k++) a[v * dim + k] =
-                fmaf(w[(j * dim + k) * LANES + l], change[(j * nvar + v) * LANES + l], a[v * dim + k]);
+            float x[MAX_DIM];
+            UNROLL_ALL for (int k = 0; k < dim; k++) x[k] = w[(j * dim + k) * LANES + l];
+            UNROLL_ALL for (int v = 0; v < nvar; v++) {
+                const float d = change[(j * nvar + v) * LANES + l];
+                UNROLL_ALL for (int k = 0; k < dim; k++) a[v * dim + k] = fmaf(x[k], d, a[v * dim + k]);
+            }
         } while (++j < n);
         UNROLL_ALL for (int i = 0; i < nvar * dim; i++) {
             g[i * LANES + l] = a[i];
@@ -486,13 +495,16 @@ ALWAYS_INLINE void weigh(int sectors, const float *restrict share, const double 
                          double *restrict central) {
     float tau[LANES] = {0}, whole[LANES];
     double shares[LANES] = {0}, sum[LANES];
-    EACH_LANE whole[l] = (float)smaller(I[l], FAR * (double)FAR);
+    EACH_LANE {
+        const float smooth = (float)I[l];
+        whole[l] = smooth < FAR * FAR ? smooth : FAR * FAR;
+    }
     for (int s = 0; s < sectors * LANES; s += LANES) EACH_LANE {
             tau[l] = fmaf(share[s + l], fabsf(w[s + l] - whole[l]), tau[l]);
             shares[l] += (double)share[s + l];
         }
     EACH_LANE {
-        tau[l] /= (float)larger(shares[l], SHORT);
+        tau[l] /= (float)shares[l] + LITTLE;
         const float ratio = ratio_of(tau[l], whole[l]);
         central[l] = (double)fmaf(ratio, ratio, 1);
         sum[l] = (1 - shares[l]) * central[l];
@@ -510,19 +522,19 @@ ALWAYS_INLINE void weigh(int sectors, const float *restrict share, const double 
     w[s + l] = (float)fma((double)w[s + l], sum[l], -central[l] * (double)share[s + l]);
 }
 
-/* Adds the gradients of the sectors with their weights w to a times `central`. */
-ALWAYS_INLINE void add_weighed(int dim, int m, int sectors, const float *restrict w, const float *restrict g,
-                               const double *restrict central, const struct scales *restrict scales,
-                               double (*restrict a)[MAX_COEFFICIENT][LANES]) {
-    const int each = (m + 2) * dim;
-    for (int v = 0; v < m + 2; v++) {
-        for (int k = 0; k < dim; k++) {
-            float sum[LANES] = {0};
-            for (int s = 0; s < sectors; s++)
-                EACH_LANE sum[l] = fmaf(w[s * LANES + l], g[(s * each + v * dim + k) * LANES + l], sum[l]);
-            EACH_LANE a[v][k][l] = fma(scales->of[v][l], (double)sum[l], central[l] * a[v][k][l]);
-        }
-        for (int k = 0; k < quadratics(dim); k++) EACH_LANE a[v][dim + k][l] *= central[l];
+/* Computes sum[v][k], the mean of the gradients of n > 0 sectors with their weights w (loops as in add_near). */
+ALWAYS_INLINE void mean_gradients(int count, int n, const float *restrict w, const float *restrict g,
+                                  float (*restrict sum)[LANES]) {
+    EACH_ALONE
+    EACH_LANE {
+        float a[MAX_VAR * MAX_DIM];
+        long s = 0;
+        UNROLL_ALL for (int i = 0; i < count; i++) a[i] = 0;
+        do {
+            const float here = w[s * LANES + l];
+            UNROLL_ALL for (int i = 0; i < count; i++) a[i] = fmaf(here, g[(s * count + i) * LANES + l], a[i]);
+        } while (++s < n);
+        UNROLL_ALL for (int i = 0; i < count; i++) sum[i][l] = a[i];
     }
 }
 
@@ -532,12 +544,19 @@ ALWAYS_INLINE void combine(int dim, int m, const struct fit *f, int batch, const
     const struct sectors *s = &f->sector;
     const int first = s->start[batch], sectors = s->start[batch + 1] - first;
     double I[LANES] = {0}, central[LANES], inverse[LANES];
+    float mean[MAX_VAR * MAX_DIM][LANES];
+    if (sectors == 0) return;
     for (int v = 0; v < m + 2; v++) {
         EACH_LANE inverse[l] = scales->inverse[v][l] * scales->inverse[v][l];
         add_smoothness(dim, a[v], inverse, I);
     }
     weigh(sectors, s->share + (long)first * LANES, I, s->weight, central);
-    add_weighed(dim, m, sectors, s->weight, s->gradient, central, scales, a);
+    mean_gradients((m + 2) * dim, sectors, s->weight, s->gradient, mean);
+    for (int v = 0; v < m + 2; v++) {
+        for (int k = 0; k < dim + quadratics(dim); k++) EACH_LANE a[v][k][l] *= central[l];
+        for (int k = 0; k < dim; k++)
+            EACH_LANE a[v][k][l] = fma(scales->of[v][l], (double)mean[v * dim + k][l], a[v][k][l]);
+    }
 }
 
 /* The coefficients of a cell stay in registers (add_near). */
@@ -577,9 +596,12 @@ KERNEL static void curved_changes(int dim, const struct fit *f, int batch, int v
 
 KERNEL static void combine_sectors(int dim, int m, const struct fit *f, int batch, const struct scales *scales,
                                    double (*a)[MAX_COEFFICIENT][LANES]) {
-    if (dim == 1) combine(1, m, f, batch, scales, a);
-    if (dim == 2) combine(2, m, f, batch, scales, a);
-    if (dim == 3) combine(3, m, f, batch, scales, a);
+    if (dim == 1 && m == 1) combine(1, 1, f, batch, scales, a);
+    if (dim == 1 && m == 2) combine(1, 2, f, batch, scales, a);
+    if (dim == 1 && m == 3) combine(1, 3, f, batch, scales, a);
+    if (dim == 2 && m == 2) combine(2, 2, f, batch, scales, a);
+    if (dim == 2 && m == 3) combine(2, 3, f, batch, scales, a);
+    if (dim == 3) combine(3, 3, f, batch, scales, a);
 }
 
 ALWAYS_INLINE void cweno3(int dim, int m, struct fit *f, int batch, const double *const *U) {
