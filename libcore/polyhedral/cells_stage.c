@@ -30,16 +30,27 @@ KERNEL static void gather_cells(int n, const int *restrict face, const int *rest
     for (int i = 0; i < n; i++) cell[i] = side[face[i]];
 }
 
-/* In 2D the tangent is the normal, turned by a right angle. */
+KERNEL static void turn_normals(int n, double (*restrict axis)[MAX_DIM][BATCH]) {
+    for (int i = 0; i < n; i++) {
+        axis[1][0][i] = -axis[0][1][i];
+        axis[1][1][i] = axis[0][0][i];
+    }
+}
+KERNEL static void cross_axes(int n, double (*restrict axis)[MAX_DIM][BATCH]) {
+    for (int i = 0; i < n; i++) {
+        axis[2][0][i] = axis[0][1][i] * axis[1][2][i] - axis[0][2][i] * axis[1][1][i];
+        axis[2][1][i] = axis[0][2][i] * axis[1][0][i] - axis[0][0][i] * axis[1][2][i];
+        axis[2][2][i] = axis[0][0][i] * axis[1][1][i] - axis[0][1][i] * axis[1][0][i];
+    }
+}
+
+/* In 2D the tangent is the normal, turned by a right angle; in 3D the second one is normal to both others. */
 static void find_frames(const struct polyhedra *m, struct points *p) {
     const struct polyhedra_faces *f = &m->face;
     for (int k = 0; k < m->dim; k++) gather_line(p->n, p->face, f->normal[k], p->axis[0][k]);
-    for (int t = 1; t < m->dim && m->dim > 2; t++)
-        for (int k = 0; k < m->dim; k++) gather_line(p->n, p->face, f->tangent[t - 1][k], p->axis[t][k]);
-    for (int i = 0; i < p->n && m->dim == 2; i++) {
-        p->axis[1][0][i] = -p->axis[0][1][i];
-        p->axis[1][1][i] = p->axis[0][0][i];
-    }
+    for (int k = 0; k < m->dim && m->dim > 2; k++) gather_line(p->n, p->face, f->tangent[0][k], p->axis[1][k]);
+    if (m->dim == 2) turn_normals(p->n, p->axis);
+    if (m->dim == 3) cross_axes(p->n, p->axis);
 }
 
 /* Turns the momentum of n states q into the frames of their faces or, with the axes' entries exchanged, out of them;
@@ -114,22 +125,45 @@ static void flatten_packed(const struct gas *g, const struct points *p, const do
             for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
 }
 
-/* The states of the polynomials on one side of points from <= i < from + n. */
-static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
+/* Are all states admissible by more than round-off? (NaN: no) */
+KERNEL static bool all_sound(int n, int dim, double least, double most, const double (*restrict at)[BATCH]) {
+    double kinetic[BATCH];
+    int sound = 1;
+    for (int i = 0; i < n; i++) kinetic[i] = 0;
+    for (int k = 1; k <= dim; k++)
+        for (int i = 0; i < n; i++) kinetic[i] += 0.5 * (at[k][i] * at[k][i]);
+    for (int i = 0; i < n; i++) {
+        const double internal = at[dim + 1][i] * at[0][i] - kinetic[i];
+        sound &= (at[0][i] > least) & (at[0][i] < most) & (internal > ROUND * kinetic[i]);
+    }
+    return sound;
+}
+
+/* Changes states by what the polynomials do not know, and moves them towards the averages of their cells. */
+static void correct_states(const struct gas *g, int side, int from, const double *const *U, const struct points *p,
+                           double (*at)[BATCH]) {
     const struct cells *c = g->cells;
     const int *of_face = side ? c->polyhedra->face.right : c->polyhedra->face.left;
-    double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], theta[BATCH], *out[MAX_VAR];
+    double average[MAX_VAR][BATCH], theta[BATCH];
     int cell[BATCH];
     gather_cells(p->n, p->face, of_face, cell);
-    for (int v = 0; v < g->nvar; v++) {
-        out[v] = at[v];
-        gather_line(p->n, cell, U[v], average[v]);
-    }
-    fit_points(c->fit, side, from, p->n, U, out);
+    for (int v = 0; v < g->nvar; v++) gather_line(p->n, cell, U[v], average[v]);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
     if (c->rest) cells_rest_add(g, from, p->n, cell, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
+}
+
+/* The states of the polynomials on one side of points from <= i < from + n. Fits keep states in the admissible set
+ * (fit_keep): only round-off can move them out. */
+static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
+    const struct cells *c = g->cells;
+    double at[MAX_VAR][BATCH], *out[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) out[v] = at[v];
+    fit_points(c->fit, side, from, p->n, U, out);
+    if (g->models.material.threshold > 0 || c->rest ||
+        !all_sound(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])at))
+        correct_states(g, side, from, U, p, at);
     into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
@@ -217,9 +251,23 @@ static void set_floors(struct points *p, struct faces *faces) {
     faces->floor = p->floor;
 }
 
-/* flux <- the area times the sum over the points of each face; sum_single: each face has one point, of weight 1 */
+/* flux <- the area times the sum over the points of each face; sum_single: each face has one point, of weight 1;
+ * sum_alike: each has as many. */
 KERNEL static void sum_single(int n, const double *restrict area, const double *restrict out, double *restrict flux) {
     for (int i = 0; i < n; i++) flux[i] = area[i] * (0 + out[i]);
+}
+ALWAYS_INLINE void sum_each(int each, int n, const double *restrict area, const double *restrict weight,
+                            const double *restrict out, double *restrict flux) {
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int k = 0; k < each; k++) sum += weight[i * each + k] * out[i * each + k];
+        flux[i] = area[i] * sum;
+    }
+}
+KERNEL static void sum_alike(int each, int n, const double *area, const double *weight, const double *out,
+                             double *flux) {
+    if (each == 2) sum_each(2, n, area, weight, out, flux);
+    if (each == 3) sum_each(3, n, area, weight, out, flux);
 }
 static void sum_points(const struct polyhedra *m, int first, int last, const double *weight, const double *out,
                        double *flux) {
@@ -229,6 +277,14 @@ static void sum_points(const struct polyhedra *m, int first, int last, const dou
         for (int i = start[face]; i < start[face + 1]; i++) sum += weight[i] * out[i - start[first]];
         flux[face] = m->face.area[face] * sum;
     }
+}
+
+/* The number of points of each of the faces first <= i < last, if it is 2 or 3 and the same; else 0. */
+static int points_of_each(const struct polyhedra_faces *f, int first, int last) {
+    const int each = f->point_start[first + 1] - f->point_start[first];
+    for (int i = first; i < last; i++)
+        if (f->point_start[i + 1] - f->point_start[i] != each) return 0;
+    return each == 2 || each == 3 ? each : 0;
 }
 
 /* Notes what the sides of the cells of round bodies push with. */
@@ -243,6 +299,23 @@ static void note_push(const struct gas *g, int first, int last, const struct poi
         of_side[side] = push[side];
     }
     cells_round_note(g, first, last, of_side[0], of_side[1]);
+}
+
+/* Sums up the fluxes of the points, which begin with `from`, over faces first <= i < last. */
+static void sum_fluxes(const struct gas *g, int first, int last, int from, const struct points *p) {
+    struct cells *c = g->cells;
+    const struct polyhedra *m = c->polyhedra;
+    const int each = m->point.n == m->face.n ? 1 : points_of_each(&m->face, first, last);
+    for (int v = 0; v < g->nvar; v++) {
+        const bool swirls = g->models.swirl && v == g->models.swirl + 1;
+        const double *weight = swirls && each != 1 ? cells_round_weights(g) : m->point.weight;
+        if (each == 1)
+            sum_single(p->n, m->face.area + first, p->out[v], c->flux[v] + first);
+        else if (each)
+            sum_alike(each, last - first, m->face.area + first, weight + from, p->out[v], c->flux[v] + first);
+        else
+            sum_points(m, first, last, weight, p->out[v], c->flux[v]);
+    }
 }
 
 /* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
@@ -267,14 +340,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     if (cells_fronts_floor(g, p->n, p->face, p->floor)) set_floors(p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
     out_of_frames(g, p, p->out);
-    for (int v = 0; v < g->nvar; v++)
-        if (single)
-            sum_single(p->n, f->area + first, p->out[v], c->flux[v] + first);
-        else
-            sum_points(c->polyhedra, first, last,
-                       g->models.swirl && v == g->models.swirl + 1 ? cells_round_weights(g)
-                                                                   : c->polyhedra->point.weight,
-                       p->out[v], c->flux[v]);
+    sum_fluxes(g, first, last, from, p);
 }
 
 /* Limits the fluxes through the n faces of p, all of one patch or all internal: each as a whole, between averages. */

@@ -6,11 +6,20 @@
 #include "libcore/schemes/limit.h"
 
 #define EACH_LANE for (int l = 0; l < LANES; l++)
+#ifdef __clang__
+#define UNROLL_ALL _Pragma("clang loop unroll(full)")
+#else
+#define UNROLL_ALL _Pragma("GCC unroll 32")
+#endif
 static const double SMALL = 1e-6; /* squared ratio of variation to scale below which nothing is limited */
 /* The epsilon of CWENO3's weights: a variation by 1 % of the scale per cell is smooth. */
-static const double EPSILON = 1e-4;
-static const double OVER = 0.2;    /* how far CWENO3 may leave the range of its stencil, in units of that range */
-static const double TINY = 1e-300; /* keeps 0/0 away, in any unit */
+static const float EPSILON = 1e-4F;
+static const double OVER = 0.2;     /* how far CWENO3 may leave the range of its stencil, in units of that range */
+static const double TINY = 1e-300;  /* keeps 0/0 away, in any unit */
+static const double SHORT = 1e-150; /* the same, its square is one */
+static const float FAR = 1e9F;      /* bounds the ratios of the weights of sectors: their squares stay finite */
+static const float LITTLE = 1e-30F; /* the same in single precision */
+static const double NEAR = 1e-9;    /* the least scale of sectors, over the changes: so do the squares of these */
 /* Share of an average's distance that is more than KEPT by any round-off: what is surely kept is kept. */
 static const double SURE = 1.001 * KEPT;
 
@@ -64,29 +73,19 @@ ALWAYS_INLINE void find_frame(int m, double (*restrict own)[LANES], struct movin
         f->square[m + 1][l] = energy * energy;
     }
 }
-/* Moves lines of (rho, m, E), or of their differences, into the frame (sign -1) or out of it (1). */
-ALWAYS_INLINE void boost(int m, double sign, const struct moving_frame *restrict f, double *const *line) {
-    double *restrict rho = line[0], *restrict E = line[m + 1], dot[LANES] = {0};
-    for (int k = 0; k < m; k++) {
-        double *restrict q = line[k + 1];
-        EACH_LANE {
-            dot[l] += f->velocity[k][l] * q[l];
-            q[l] = fma(sign * f->velocity[k][l], rho[l], q[l]);
-        }
+/* Moves (rho, m, E) of a lane, or their differences, into the frame (sign -1) or out of it (1). */
+ALWAYS_INLINE void boost(int m, double sign, const double *restrict velocity, double half_square, double *restrict q) {
+    double dot = 0;
+    UNROLL_ALL for (int k = 0; k < m; k++) {
+        dot += velocity[k] * q[k + 1];
+        q[k + 1] = fma(sign * velocity[k], q[0], q[k + 1]);
     }
-    EACH_LANE E[l] = fma(f->half_square[l], rho[l], E[l] + sign * dot[l]);
+    q[m + 1] = fma(half_square, q[0], q[m + 1] + sign * dot);
 }
 
 struct bounds {
     double low[LANES], high[LANES]; /* range of the stencil's values, less the cell's */
 };
-ALWAYS_INLINE void extend(struct bounds *restrict b, const double *restrict d) {
-    EACH_LANE {
-        b->low[l] = smaller(d[l], b->low[l]);
-        b->high[l] = larger(d[l], b->high[l]);
-    }
-}
-
 /* Limits a gradient, which comes from least squares with weights 1/distance^2, by the limiter of Barth & Jespersen
  * (AIAA 89-0366, 1989): values halfway to first-ring members stay within the values of the stencil, and face values are
  * cut to these bounds one by one, too. On a linear field the bounds are twice as far away as the values halfway,
@@ -141,14 +140,31 @@ KERNEL static void find_changes(const struct fit *f, int batch, const double *co
     }
 }
 
-/* Moves the changes into the frames of the cells, and finds their bounds. */
+/* Moves the changes into the frames of the cells, and finds their bounds (loops as in add_near). */
 ALWAYS_INLINE void move_all(int m, const struct fit *f, int batch, struct batch *restrict c) {
-    double *line[MAX_VAR];
-    for (int v = 0; v < m + 2; v++) EACH_LANE c->bounds[v].low[l] = c->bounds[v].high[l] = 0;
-    for (int j = 0; j < f->member.start[batch + 1] - f->member.start[batch]; j++) {
-        for (int v = 0; v < m + 2; v++) line[v] = change_of(f, j, v);
-        boost(m, -1, &c->frame, line);
-        for (int v = 0; v < m + 2; v++) extend(&c->bounds[v], line[v]);
+    const long n = f->member.start[batch + 1] - f->member.start[batch];
+    double *restrict change = f->change;
+    EACH_ALONE
+    EACH_LANE {
+        double u[MAX_DIM], low[MAX_VAR], high[MAX_VAR];
+        const double half = c->frame.half_square[l];
+        long j = 0;
+        UNROLL_ALL for (int k = 0; k < m; k++) u[k] = c->frame.velocity[k][l];
+        UNROLL_ALL for (int v = 0; v < m + 2; v++) low[v] = high[v] = 0;
+        do {
+            double q[MAX_VAR];
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) q[v] = change[(j * (m + 2) + v) * LANES + l];
+            boost(m, -1, u, half, q);
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) {
+                change[(j * (m + 2) + v) * LANES + l] = q[v];
+                low[v] = smaller(q[v], low[v]);
+                high[v] = larger(q[v], high[v]);
+            }
+        } while (++j < n);
+        UNROLL_ALL for (int v = 0; v < m + 2; v++) {
+            c->bounds[v].low[l] = low[v];
+            c->bounds[v].high[l] = high[v];
+        }
     }
 }
 KERNEL static void move_changes(int m, const struct fit *f, int batch, struct batch *restrict c) {
@@ -157,40 +173,55 @@ KERNEL static void move_changes(int m, const struct fit *f, int batch, struct ba
     if (m == 3) move_all(3, f, batch, c);
 }
 
-/* Computes sum[k] = sum_j w[j][k] change[used[j]] of n members, whose changes are `apart`. NEAR lanes at a time: their
- * sums stay in registers. */
-ALWAYS_INLINE void add_near(int ncoef, int n, const double *restrict w, const int *restrict used,
-                            const double *restrict change, long apart, double *restrict sum) {
-    enum { NEAR = 16 };
-    for (int from = 0; from < LANES; from += NEAR) {
-        double a[MAX_COEFFICIENT * NEAR];
-        for (int i = 0; i < ncoef * NEAR; i++) a[i] = 0;
-        for (int j = 0; j < n; j++)
-            for (int k = 0; k < ncoef; k++)
-                for (int l = 0; l < NEAR; l++)
-                    a[k * NEAR + l] = fma(w[((long)j * ncoef + k) * LANES + from + l],
-                                          change[used[j] * apart + from + l], a[k * NEAR + l]);
-        for (int k = 0; k < ncoef; k++)
-            for (int l = 0; l < NEAR; l++) sum[k * LANES + from + l] = a[k * NEAR + l];
+/* Computes sum[v][k] = sum_j w[j][k] change[j][v] over n > 0 entries for `part` coefficients. All sums stay in
+ * registers, so that weights and changes are read once. gcc makes vectors of such a loop if the one inside ends by
+ * `while` and all strides are constants. */
+ALWAYS_INLINE void add_near(int part, int nvar, int n, const double *restrict w, const double *restrict change,
+                            double *restrict sum) {
+    EACH_ALONE
+    for (int l = 0; l < VECTOR; l++) {
+        double a[MAX_VAR * 5];
+        long j = 0;
+        UNROLL_ALL for (int i = 0; i < nvar * part; i++) a[i] = 0;
+        do {
+            double x[5];
+            UNROLL_ALL for (int k = 0; k < part; k++) x[k] = w[(j * part + k) * VECTOR + l];
+            UNROLL_ALL for (int v = 0; v < nvar; v++) {
+                const double d = change[(j * nvar + v) * LANES + l];
+                UNROLL_ALL for (int k = 0; k < part; k++) a[v * part + k] = fma(x[k], d, a[v * part + k]);
+            }
+        } while (++j < n);
+        UNROLL_ALL for (int v = 0; v < nvar; v++) UNROLL_ALL for (int k = 0; k < part; k++)
+            sum[(v * MAX_COEFFICIENT + k) * LANES + l] = a[v * part + k];
     }
 }
-KERNEL static void add_changes(int ncoef, int n, const double *w, const int *used, const double *change, long apart,
-                               double *sum) {
-    if (ncoef == 1) add_near(1, n, w, used, change, apart, sum);
-    if (ncoef == 2) add_near(2, n, w, used, change, apart, sum);
-    if (ncoef == 3) add_near(3, n, w, used, change, apart, sum);
-    if (ncoef == 5) add_near(5, n, w, used, change, apart, sum);
-    if (ncoef == 9) add_near(9, n, w, used, change, apart, sum);
+/* The same for all lanes and coefficients. */
+ALWAYS_INLINE void add_parts(int part, int ncoef, int nvar, int n, const double *restrict w,
+                             const double *restrict change, double *restrict sum) {
+    for (int from = 0; from < LANES; from += VECTOR)
+        for (int k = 0; k < ncoef; k += part, w += (long)n * part * VECTOR)
+            add_near(part, nvar, n, w, change + from, sum + k * LANES + from);
+}
+#define PARTS(coefficients, variables)                                                                                 \
+    if (ncoef == (coefficients) && nvar == (variables))                                                                \
+    add_parts(PART(coefficients), coefficients, variables, n, w, change, sum)
+KERNEL static void add_changes(int ncoef, int nvar, int n, const double *w, const double *change, double *sum) {
+    PARTS(1, 3);
+    PARTS(1, 4);
+    PARTS(1, 5);
+    PARTS(2, 3);
+    PARTS(2, 4);
+    PARTS(2, 5);
+    PARTS(3, 5);
+    PARTS(5, 4);
+    PARTS(5, 5);
+    PARTS(9, 5);
 }
 
 /* Computes the coefficients a of the polynomials of the whole stencils, in the frames of the cells. */
-ALWAYS_INLINE void add_members(int m, int ncoef, const struct fit *f, int batch, struct batch *restrict c,
-                               double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+static void add_members(int m, int ncoef, const struct fit *f, int batch, double (*a)[MAX_COEFFICIENT][LANES]) {
     const int first = f->member.start[batch], n = f->member.start[batch + 1] - first;
-    move_changes(m, f, batch, c);
-    for (int v = 0; v < m + 2; v++)
-        add_changes(ncoef, n, f->member.data + (long)first * ncoef * LANES, f->all, change_of(f, 0, v), f->nvar * LANES,
-                    a[v][0]);
+    add_changes(ncoef, m + 2, n, f->member.data + (long)first * ncoef * LANES, f->change, a[0][0]);
 }
 
 /* The line of a variable's values in entry j of `point`. */
@@ -286,11 +317,21 @@ ALWAYS_INLINE void finish_points(int m, const struct fit *f, int batch, const st
     const struct moving_frame *frame = &c->frame;
     if (f->most > 0 && !bounds_kept(m, f, own[0], frame, c->bounds, over) && !all_kept(m, f, batch, own[0], frame))
         draw_points(m, f, batch, own[0], frame);
-    for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
-        double *line[MAX_VAR];
-        for (int v = 0; v < m + 2; v++) line[v] = values_of(f, batch, v, j);
-        boost(m, 1, frame, line);
-        for (int v = 0; v < m + 2; v++) EACH_LANE line[v][l] += own[v][l];
+    double *restrict out = values_of(f, batch, 0, f->point.start[batch]);
+    const long n = f->point.start[batch + 1] - f->point.start[batch], apart = f->nvalues;
+    EACH_ALONE
+    EACH_LANE {
+        double u[MAX_DIM], mean[MAX_VAR];
+        const double half = frame->half_square[l];
+        long j = 0;
+        UNROLL_ALL for (int k = 0; k < m; k++) u[k] = frame->velocity[k][l];
+        UNROLL_ALL for (int v = 0; v < m + 2; v++) mean[v] = own[v][l];
+        do {
+            double q[MAX_VAR];
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) q[v] = out[v * apart + j * LANES + l];
+            boost(m, 1, u, half, q);
+            UNROLL_ALL for (int v = 0; v < m + 2; v++) out[v * apart + j * LANES + l] = q[v] + mean[v];
+        } while (++j < n);
     }
 }
 
@@ -334,7 +375,8 @@ ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const 
     struct batch c;
     find_changes(f, batch, U, &c);
     find_frame(m, c.own, &c.frame);
-    add_members(m, dim, f, batch, &c, a);
+    move_changes(m, f, batch, &c);
+    add_members(m, dim, f, batch, a);
     for (int v = 0; v < m + 2; v++) limited_changes(dim, f, batch, v, c.frame.square[v], &c.bounds[v], a[v]);
     finish_cells(m, f, batch, &c, 0);
 }
@@ -356,29 +398,76 @@ ALWAYS_INLINE int product(int dim, int i, int j) { /* place of x_i x_j, i <= j, 
     return dim + i * dim - i * (i - 1) / 2 + j - i;
 }
 
-ALWAYS_INLINE void boost_all(int m, int each, const struct moving_frame *restrict frame, double (*restrict g)[LANES]) {
-    double *line[MAX_VAR];
-    for (int i = 0; i < each; i++) {
-        for (int v = 0; v < m + 2; v++) line[v] = g[v * each + i];
-        boost(m, -1, frame, line);
-    }
-}
-KERNEL static void boost_sectors(int m, int each, const struct moving_frame *restrict frame,
-                                 double (*restrict g)[LANES]) {
-    if (m == 1) boost_all(1, each, frame, g);
-    if (m == 2) boost_all(2, each, frame, g);
-    if (m == 3) boost_all(3, each, frame, g);
+/* The scales of the variables in the frame, and one over each; changes are at most 1/NEAR of them. */
+struct scales {
+    double of[MAX_VAR][LANES], inverse[MAX_VAR][LANES];
+};
+ALWAYS_INLINE void find_scales(int m, const struct batch *restrict c, struct scales *restrict s) {
+    for (int v = 0; v < m + 2; v++) EACH_LANE {
+            const double most = larger(c->bounds[v].high[l], -c->bounds[v].low[l]);
+            s->of[v][l] = larger(larger(sqrt(c->frame.square[v][l]), most * NEAR), SHORT);
+            s->inverse[v][l] = 1 / s->of[v][l];
+        }
 }
 
-/* Computes the gradients [v][s][k] of the sectors in the frame of the cell, from changes that are not in it. */
-static void sector_gradients(int dim, int m, const struct fit *f, int batch, const struct batch *c) {
-    const int first = f->share.start[batch], sectors = f->share.start[batch + 1] - first;
-    double(*g)[LANES] = (double(*)[LANES])f->gradient;
-    for (int s = 0, at = f->sector.start[batch]; s < sectors; at += f->uses[first + s++])
-        for (int v = 0; v < m + 2; v++)
-            add_changes(dim, f->uses[first + s], f->sector.data + (long)at * dim * LANES, f->used + at,
-                        change_of(f, 0, v), f->nvar * LANES, g[(v * sectors + s) * dim]);
-    boost_sectors(m, sectors * dim, &c->frame, g);
+/* What the sectors see of the changes. */
+ALWAYS_INLINE void narrow_all(int m, const struct fit *f, int batch, const struct scales *restrict s) {
+    const int entries = f->member.start[batch + 1] - f->member.start[batch];
+    for (int j = 0; j < entries; j++)
+        for (int v = 0; v < m + 2; v++) {
+            const double *restrict change = change_of(f, j, v);
+            float *restrict out = f->sector.change + ((long)j * (m + 2) + v) * LANES;
+            EACH_LANE out[l] = (float)(change[l] * s->inverse[v][l]);
+        }
+}
+KERNEL static void narrow_changes(int m, const struct fit *f, int batch, const struct scales *s) {
+    if (m == 1) narrow_all(1, f, batch, s);
+    if (m == 2) narrow_all(2, f, batch, s);
+    if (m == 3) narrow_all(3, f, batch, s);
+}
+
+/* Computes the gradient g[v][k] of a sector from its n > 0 changes, and its smoothness I = |g|^2 (loops as in
+ * add_near). */
+ALWAYS_INLINE void add_sector(int dim, int nvar, int n, const float *restrict w, const float *restrict change,
+                              float *restrict g, float *restrict I) {
+    EACH_ALONE
+    EACH_LANE {
+        float a[MAX_VAR * MAX_DIM], square = 0;
+        long j = 0;
+        UNROLL_ALL for (int i = 0; i < nvar * dim; i++) a[i] = 0;
+        do {
+            float x[MAX_DIM];
+            UNROLL_ALL for (int k = 0; k < dim; k++) x[k] = w[(j * dim + k) * LANES + l];
+            UNROLL_ALL for (int v = 0; v < nvar; v++) {
+                const float d = change[(j * nvar + v) * LANES + l];
+                UNROLL_ALL for (int k = 0; k < dim; k++) a[v * dim + k] = fmaf(x[k], d, a[v * dim + k]);
+            }
+        } while (++j < n);
+        UNROLL_ALL for (int i = 0; i < nvar * dim; i++) {
+            g[i * LANES + l] = a[i];
+            square = fmaf(a[i], a[i], square);
+        }
+        I[l] = square;
+    }
+}
+ALWAYS_INLINE void add_all(int dim, int m, const struct fit *f, int batch) {
+    const struct sectors *s = &f->sector;
+    const size_t line = (size_t)(m + 2) * LANES;
+    for (int at = s->start[batch]; at < s->start[batch + 1]; at++) {
+        const int first = s->first[at], n = s->first[at + 1] - first, i = at - s->start[batch];
+        for (int j = 0; j < n; j++)
+            memcpy(s->taken + (size_t)j * line, s->change + (size_t)s->used[first + j] * line, line * sizeof *s->taken);
+        add_sector(dim, m + 2, n, s->data + (long)first * dim * LANES, s->taken,
+                   s->gradient + (long)i * (m + 2) * dim * LANES, s->weight + (long)i * LANES);
+    }
+}
+KERNEL static void add_sectors(int dim, int m, const struct fit *f, int batch) {
+    if (dim == 1 && m == 1) add_all(1, 1, f, batch);
+    if (dim == 1 && m == 2) add_all(1, 2, f, batch);
+    if (dim == 1 && m == 3) add_all(1, 3, f, batch);
+    if (dim == 2 && m == 2) add_all(2, 2, f, batch);
+    if (dim == 2 && m == 3) add_all(2, 3, f, batch);
+    if (dim == 3) add_all(3, 3, f, batch);
 }
 
 /* Adds to I the smoothness of the quadratic a, |gradient|^2 + (1 + 1/12) |second derivatives|^2, over the squared
@@ -398,85 +487,103 @@ ALWAYS_INLINE void add_smoothness(int dim, double (*restrict a)[LANES], const do
 
 /* Turns the smoothness I of the quadratic and w of the sectors into nonlinear weights: `central` becomes w_0/d_0, w
  * becomes w_s - d_s w_0/d_0. */
-ALWAYS_INLINE void weigh(const double *restrict share, int sectors, const double *restrict I,
-                         double (*restrict w)[LANES], double *restrict central) {
-    double tau[LANES] = {0}, shares[LANES] = {0}, sum[LANES];
-    for (int s = 0; s < sectors; s++) EACH_LANE {
-            tau[l] = fma(share[s * LANES + l], fabs(w[s][l] - I[l]), tau[l]);
-            shares[l] += share[s * LANES + l];
+ALWAYS_INLINE float ratio_of(float tau, float I) {
+    const float ratio = tau / (I + EPSILON);
+    return ratio < FAR ? ratio : FAR;
+}
+ALWAYS_INLINE void weigh(int sectors, const float *restrict share, const double *restrict I, float *restrict w,
+                         double *restrict central) {
+    float tau[LANES] = {0}, whole[LANES];
+    double shares[LANES] = {0}, sum[LANES];
+    EACH_LANE {
+        const float smooth = (float)I[l];
+        whole[l] = smooth < FAR * FAR ? smooth : FAR * FAR;
+    }
+    for (int s = 0; s < sectors * LANES; s += LANES) EACH_LANE {
+            tau[l] = fmaf(share[s + l], fabsf(w[s + l] - whole[l]), tau[l]);
+            shares[l] += (double)share[s + l];
         }
     EACH_LANE {
-        tau[l] /= larger(shares[l], TINY);
-        double ratio = tau[l] / (I[l] + EPSILON);
-        central[l] = fma(ratio, ratio, 1);
+        tau[l] /= (float)shares[l] + LITTLE;
+        const float ratio = ratio_of(tau[l], whole[l]);
+        central[l] = (double)fmaf(ratio, ratio, 1);
         sum[l] = (1 - shares[l]) * central[l];
     }
-    for (int s = 0; s < sectors; s++) EACH_LANE {
-            double ratio = tau[l] / (w[s][l] + EPSILON);
-            w[s][l] = share[s * LANES + l] * fma(ratio, ratio, 1);
-            sum[l] += w[s][l];
+    for (int s = 0; s < sectors * LANES; s += LANES) EACH_LANE {
+            const float ratio = ratio_of(tau[l], w[s + l]);
+            w[s + l] = share[s + l] * fmaf(ratio, ratio, 1);
+            sum[l] += (double)w[s + l];
         }
     EACH_LANE {
         sum[l] = 1 / sum[l];
         central[l] *= sum[l];
     }
-    for (int s = 0; s < sectors; s++) EACH_LANE w[s][l] = fma(w[s][l], sum[l], -central[l] * share[s * LANES + l]);
+    for (int s = 0; s < sectors * LANES; s += LANES) EACH_LANE
+    w[s + l] = (float)fma((double)w[s + l], sum[l], -central[l] * (double)share[s + l]);
 }
 
-/* Turns a, the coefficients of P_opt, into those of P with the gradients g of the sectors; w is room for their
- * weights. */
-ALWAYS_INLINE void combine(int dim, int m, const double *restrict share, int sectors,
-                           const struct moving_frame *restrict frame, double (*restrict g)[LANES],
-                           double (*restrict w)[LANES], double (*restrict a)[MAX_COEFFICIENT][LANES]) {
-    const int each = sectors * dim;
-    double I[LANES] = {0}, central[LANES], inverse[MAX_VAR][LANES];
+/* Computes sum[v][k], the mean of the gradients of n > 0 sectors with their weights w (loops as in add_near). */
+ALWAYS_INLINE void mean_gradients(int count, int n, const float *restrict w, const float *restrict g,
+                                  float (*restrict sum)[LANES]) {
+    EACH_ALONE
+    EACH_LANE {
+        float a[MAX_VAR * MAX_DIM];
+        long s = 0;
+        UNROLL_ALL for (int i = 0; i < count; i++) a[i] = 0;
+        do {
+            const float here = w[s * LANES + l];
+            UNROLL_ALL for (int i = 0; i < count; i++) a[i] = fmaf(here, g[(s * count + i) * LANES + l], a[i]);
+        } while (++s < n);
+        UNROLL_ALL for (int i = 0; i < count; i++) sum[i][l] = a[i];
+    }
+}
+
+/* Turns a, the coefficients of P_opt, into those of P with the gradients of the sectors. */
+ALWAYS_INLINE void combine(int dim, int m, const struct fit *f, int batch, const struct scales *restrict scales,
+                           double (*restrict a)[MAX_COEFFICIENT][LANES]) {
+    const struct sectors *s = &f->sector;
+    const int first = s->start[batch], sectors = s->start[batch + 1] - first;
+    double I[LANES] = {0}, central[LANES], inverse[LANES];
+    float mean[MAX_VAR * MAX_DIM][LANES];
+    if (sectors == 0) return;
     for (int v = 0; v < m + 2; v++) {
-        EACH_LANE inverse[v][l] = 1 / larger(frame->square[v][l], TINY);
-        add_smoothness(dim, a[v], inverse[v], I);
+        EACH_LANE inverse[l] = scales->inverse[v][l] * scales->inverse[v][l];
+        add_smoothness(dim, a[v], inverse, I);
     }
-    for (int s = 0; s < sectors; s++) {
-        EACH_LANE w[s][l] = 0;
-        for (int v = 0; v < m + 2; v++) {
-            double(*restrict at)[LANES] = g + v * each + s * dim;
-            EACH_LANE {
-                double sum = 0;
-                for (int k = 0; k < dim; k++) sum += at[k][l] * at[k][l];
-                w[s][l] = fma(sum, inverse[v][l], w[s][l]);
-            }
-        }
-    }
-    weigh(share, sectors, I, w, central);
+    weigh(sectors, s->share + (long)first * LANES, I, s->weight, central);
+    mean_gradients((m + 2) * dim, sectors, s->weight, s->gradient, mean);
     for (int v = 0; v < m + 2; v++) {
         for (int k = 0; k < dim + quadratics(dim); k++) EACH_LANE a[v][k][l] *= central[l];
-        for (int s = 0; s < sectors; s++)
-            for (int k = 0; k < dim; k++) EACH_LANE a[v][k][l] = fma(w[s][l], g[v * each + s * dim + k][l], a[v][k][l]);
+        for (int k = 0; k < dim; k++)
+            EACH_LANE a[v][k][l] = fma(scales->of[v][l], (double)mean[v * dim + k][l], a[v][k][l]);
     }
 }
 
+/* The coefficients of a cell stay in registers (add_near). */
 ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, int v, const struct bounds *restrict b,
                                      double (*restrict a)[LANES]) {
-    const double *moment = f->moment.data + (long)batch * quadratics(dim) * LANES;
-    double base[LANES], low[LANES], high[LANES];
+    const int first = f->point.start[batch], n = f->point.start[batch + 1] - first;
+    const double *restrict moment = f->moment.data + (long)batch * quadratics(dim) * LANES;
+    const double *restrict x = f->point.data + (long)first * dim * LANES;
+    double *restrict out = values_of(f, batch, v, first);
+    EACH_ALONE
     EACH_LANE {
-        double mean = 0;
-        for (int m = 0; m < quadratics(dim); m++) mean = fma(a[dim + m][l], moment[m * LANES + l], mean);
-        base[l] = -mean;
-        low[l] = fma(OVER, b->low[l] - b->high[l], b->low[l]);
-        high[l] = fma(OVER, b->high[l] - b->low[l], b->high[l]);
-    }
-    for (int p = f->point.start[batch]; p < f->point.start[batch + 1]; p++) {
-        const double *restrict x = f->point.data + (long)p * dim * LANES;
-        double *restrict out = values_of(f, batch, v, p);
-        EACH_LANE {
-            double sum = base[l];
-            for (int i = 0; i < dim; i++) {
-                double slope = a[i][l];
-                for (int j = 0; j < dim; j++)
-                    if (j >= i) slope = fma(a[product(dim, i, j)][l], x[j * LANES + l], slope);
-                sum = fma(slope, x[i * LANES + l], sum);
+        const double least = b->low[l], most = b->high[l];
+        const double low = fma(OVER, least - most, least), high = fma(OVER, most - least, most);
+        double c[MAX_COEFFICIENT], mean = 0;
+        long p = 0;
+        UNROLL_ALL for (int k = 0; k < dim + quadratics(dim); k++) c[k] = a[k][l];
+        UNROLL_ALL for (int k = 0; k < quadratics(dim); k++) mean = fma(c[dim + k], moment[k * LANES + l], mean);
+        do {
+            double sum = -mean;
+            UNROLL_ALL for (int i = 0; i < dim; i++) {
+                double slope = c[i];
+                UNROLL_ALL for (int j = 0; j < dim; j++) if (j >= i) slope =
+                    fma(c[product(dim, i, j)], x[(p * dim + j) * LANES + l], slope);
+                sum = fma(slope, x[(p * dim + i) * LANES + l], sum);
             }
-            out[l] = larger(smaller(sum, high[l]), low[l]);
-        }
+            out[p * LANES + l] = larger(smaller(sum, high), low);
+        } while (++p < n);
     }
 }
 
@@ -487,28 +594,28 @@ KERNEL static void curved_changes(int dim, const struct fit *f, int batch, int v
     if (dim == 3) quadratic_changes(3, f, batch, v, b, a);
 }
 
-/* Turns the coefficients a of the quadratics of the whole stencils into those of CWENO3. */
-ALWAYS_INLINE void combine_dim(int dim, int m, struct fit *f, int batch, const struct batch *restrict c,
-                               double (*restrict a)[MAX_COEFFICIENT][LANES]) {
-    const int first = f->share.start[batch], sectors = f->share.start[batch + 1] - first;
-    combine(dim, m, f->share.data + (long)first * LANES, sectors, &c->frame, (double(*)[LANES])f->gradient,
-            (double(*)[LANES])f->weight, a);
-}
-KERNEL static void combine_sectors(int dim, int m, struct fit *f, int batch, const struct batch *restrict c,
-                                   double (*restrict a)[MAX_COEFFICIENT][LANES]) {
-    if (dim == 1) combine_dim(1, m, f, batch, c, a);
-    if (dim == 2) combine_dim(2, m, f, batch, c, a);
-    if (dim == 3) combine_dim(3, m, f, batch, c, a);
+KERNEL static void combine_sectors(int dim, int m, const struct fit *f, int batch, const struct scales *scales,
+                                   double (*a)[MAX_COEFFICIENT][LANES]) {
+    if (dim == 1 && m == 1) combine(1, 1, f, batch, scales, a);
+    if (dim == 1 && m == 2) combine(1, 2, f, batch, scales, a);
+    if (dim == 1 && m == 3) combine(1, 3, f, batch, scales, a);
+    if (dim == 2 && m == 2) combine(2, 2, f, batch, scales, a);
+    if (dim == 2 && m == 3) combine(2, 3, f, batch, scales, a);
+    if (dim == 3) combine(3, 3, f, batch, scales, a);
 }
 
 ALWAYS_INLINE void cweno3(int dim, int m, struct fit *f, int batch, const double *const *U) {
     double a[MAX_VAR][MAX_COEFFICIENT][LANES];
     struct batch c;
+    struct scales scales;
     find_changes(f, batch, U, &c);
     find_frame(m, c.own, &c.frame);
-    sector_gradients(dim, m, f, batch, &c);
-    add_members(m, dim + quadratics(dim), f, batch, &c, a);
-    combine_sectors(dim, m, f, batch, &c, a);
+    move_changes(m, f, batch, &c);
+    find_scales(m, &c, &scales);
+    narrow_changes(m, f, batch, &scales);
+    add_sectors(dim, m, f, batch);
+    add_members(m, dim + quadratics(dim), f, batch, a);
+    combine_sectors(dim, m, f, batch, &scales, a);
     for (int v = 0; v < m + 2; v++) curved_changes(dim, f, batch, v, &c.bounds[v], a[v]);
     finish_cells(m, f, batch, &c, OVER);
 }

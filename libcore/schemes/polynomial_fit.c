@@ -4,12 +4,16 @@
 #include "libcore/schemes/polynomial_fit.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* A column of a least-squares problem that depends on the ones before it up to this fraction gets no coefficient. */
 static const double DEPENDENT = 1e-2;
 static const double FLAT_SECTOR = 0.1; /* the fraction for the members of a sector, which is then left out */
 static const double CONE = 0.55;       /* cosine of the half-angle of the cone of a sector beyond a face */
 static const double CENTRAL = 1e3;     /* linear weight of the quadratic against that of one sector */
+
+/* Groups of members: the first ring, parts of the second one, all others. */
+enum { GROUPS = MAX_DIM + 3 };
 
 struct point_list { /* face points of the cells */
     int *start;     /* [nnear + 1] */
@@ -142,18 +146,109 @@ static int most_members(const struct polyhedra *m) {
     return most;
 }
 
+static int nearest_members(const struct polyhedra *m, int i) {
+    int n = 0, first = m->stencil_start[i];
+    while (first + n < m->stencil_start[i + 1] && m->ring[first + n] == 1) n++;
+    return n;
+}
+
+/* The cosine of the angle between the offsets of two members. */
+static double cosine(const struct polyhedra *m, int i, int a, int b) {
+    double dot = 0, aa = 0, bb = 0;
+    for (int k = 0; k < m->dim; k++) {
+        const double *offset = m->offset[k] + m->stencil_start[i];
+        dot += offset[a] * offset[b];
+        aa += offset[a] * offset[a];
+        bb += offset[b] * offset[b];
+    }
+    return dot / sqrt(aa * bb);
+}
+
+/* Moves all but the `most` members that are nearest to the face of a group to the last group. Returns how many stay. */
+static int thin_group(int n, int k, int most, int *group, const double *best) {
+    for (int left = 0;; left = 0) {
+        int farthest = -1;
+        for (int j = 0; j < n; j++) {
+            if (group[j] != k) continue;
+            left++;
+            if (farthest < 0 || best[j] < best[farthest]) farthest = j;
+        }
+        if (left <= most) return left;
+        group[farthest] = GROUPS - 1;
+    }
+}
+
+/* Finds the groups of the members of cell i: 0: the first ring; if the cell is a simplex, 1 + k: of the second ring the
+ * dim members nearest to the direction of face k, as a simplex there has, filled up with those that found no room; the
+ * last one: all others. best: room for one number a member. */
+static void find_groups(const struct polyhedra *m, int i, int *group, double *best) {
+    const int *ring = m->ring + m->stencil_start[i], n = m->stencil_start[i + 1] - m->stencil_start[i];
+    const int faces = nearest_members(m, i) > m->dim + 1 ? 0 : nearest_members(m, i);
+    for (int j = 0; j < n; j++) {
+        group[j] = ring[j] == 1 ? 0 : GROUPS - 1;
+        best[j] = -2;
+        for (int k = 0; k < faces && ring[j] == 2; k++) {
+            const double here = cosine(m, i, k, j);
+            if (here > best[j]) {
+                best[j] = here;
+                group[j] = 1 + k;
+            }
+        }
+    }
+    int left[GROUPS];
+    for (int k = 1; k <= faces; k++) left[k] = thin_group(n, k, m->dim, group, best);
+    for (int j = 0; j < n; j++)
+        for (int k = 1; k <= faces && ring[j] == 2 && group[j] == GROUPS - 1; k++)
+            if (left[k] < m->dim) {
+                left[k]++;
+                group[j] = k;
+            }
+}
+
+/* Gives each member of a stencil its entry in the batch, entry[stencil_start[nnear]], and the cells the number of
+ * entries, length[nnear]. A group has the same entries in all cells of a batch: sectors, which have members of few
+ * groups, then use few entries. The order of a cell's members is the same in any batch. */
+static void order_members(const struct polyhedra *m, int *length, int *entry, double *work) {
+    for (int first = 0; first < m->nnear; first += LANES) {
+        const int end = smallest(m->nnear, first + LANES);
+        int longest[GROUPS] = {0}, start[GROUPS + 1] = {0};
+        for (int i = first; i < end; i++) {
+            int n[GROUPS] = {0};
+            find_groups(m, i, entry + m->stencil_start[i], work);
+            for (int j = m->stencil_start[i]; j < m->stencil_start[i + 1]; j++)
+                if (++n[entry[j]] > longest[entry[j]]) longest[entry[j]]++;
+        }
+        for (int k = 0; k < GROUPS; k++) start[k + 1] = start[k] + longest[k];
+        for (int i = first; i < end; i++) {
+            int at[GROUPS];
+            memcpy(at, start, sizeof at);
+            length[i] = start[GROUPS] > 0 ? start[GROUPS] : 1;
+            for (int j = m->stencil_start[i]; j < m->stencil_start[i + 1]; j++) entry[j] = at[entry[j]]++;
+        }
+    }
+}
+
+/* Puts the weight of a member's value in coefficient k. */
+static void put_weight(struct entries *r, int cell, int entry, int k, double x) {
+    const int batch = cell / LANES, lane = cell % LANES, part = PART(r->width);
+    const long first = r->start[batch], n = r->start[batch + 1] - first;
+    const long run = (lane / VECTOR * (r->width / part) + k / part) * n + entry;
+    r->data[first * r->width * LANES + (run * part + k % part) * VECTOR + lane % VECTOR] = x;
+}
+
 /* Computes the weights of the polynomials of whole stencils. */
-static void member_weights(struct fit *f, const bool *unknown, int *all, double *A, double *w, double *W) {
+static void member_weights(struct fit *f, const bool *unknown, const int *entry, int *all, double *A, double *w,
+                           double *W) {
     const struct polyhedra *m = f->polyhedra;
     for (int i = 0; i < m->nnear; i++) {
-        int n = m->stencil_start[i + 1] - m->stencil_start[i], ncoef = f->member.width;
+        const int first = m->stencil_start[i], n = m->stencil_start[i + 1] - first, ncoef = f->member.width;
         for (int j = 0; j < n; j++) all[j] = j;
         member_means(m, i, f->kind->degree, n, all, A, w);
         leave_out(m, unknown, i, n, all, w);
         least_squares(n, ncoef, A, w, DEPENDENT, W);
         for (int j = 0; j < n; j++) {
-            put_cell(&f->member, i, j, m->stencil[m->stencil_start[i] + j]);
-            for (int k = 0; k < ncoef; k++) put(&f->member, i, j, k, W[(long)k * n + j]);
+            put_cell(&f->member, i, entry[first + j], m->stencil[first + j]);
+            for (int k = 0; k < ncoef; k++) put_weight(&f->member, i, entry[first + j], k, W[(long)k * n + j]);
         }
     }
 }
@@ -161,62 +256,57 @@ static void member_weights(struct fit *f, const bool *unknown, int *all, double 
 /* Sectors of a cell are sets of members for linear polynomials. Wherever a shock passes, one sector should lie on the
  * cell's side of it. The members at a corner make a sector. In a cell with dim + 1 neighbours a shock may cut two
  * members of every corner: there the members of the first two rings beyond a face make a sector, too. */
-static bool beyond(const struct polyhedra *m, int i, int face, int member) {
-    double dot = 0, aa = 0, bb = 0;
-    for (int k = 0; k < m->dim; k++) {
-        double a = m->offset[k][m->stencil_start[i] + face], b = m->offset[k][m->stencil_start[i] + member];
-        dot += a * b;
-        aa += a * a;
-        bb += b * b;
-    }
-    return dot > 0 && dot * dot > CONE * CONE * aa * bb;
-}
 static int find_sector(const struct polyhedra *m, int i, int sector, int *member) { /* returns its length, -1: none */
-    int ncorners = m->corner_start[i + 1] - m->corner_start[i], first = m->stencil_start[i], n = 0, faces = 0;
-    int members = m->stencil_start[i + 1] - first;
+    int ncorners = m->corner_start[i + 1] - m->corner_start[i], first = m->stencil_start[i], n = 0;
+    int members = m->stencil_start[i + 1] - first, faces = nearest_members(m, i);
     if (sector < ncorners) {
         const int *at = m->corner_first + m->corner_start[i] + sector;
         for (int j = at[0]; j < at[1]; j++) member[n++] = m->corner_member[j];
         return n;
     }
-    while (faces < members && m->ring[first + faces] == 1) faces++;
     if (faces > m->dim + 1 || sector - ncorners >= faces) return -1;
     for (int j = 0; j < members; j++)
-        if (m->ring[first + j] <= 2 && beyond(m, i, sector - ncorners, j)) member[n++] = j;
+        if (m->ring[first + j] <= 2 && cosine(m, i, sector - ncorners, j) > CONE) member[n++] = j;
     return n;
 }
 
-/* Computes the weights of the sectors' gradients, and which sectors count. place: room for one number a member. */
-static void sector_weights(struct fit *f, const bool *unknown, int *member, int *place, double *A, double *w,
-                           double *W) {
+/* Computes the weights of the sectors' gradients, and which sectors count. place: room for one number an entry. */
+static void sector_weights(struct fit *f, const bool *unknown, const int *entry, int *member, int *place, double *A,
+                           double *w, double *W) {
     const struct polyhedra *m = f->polyhedra;
+    struct sectors *all = &f->sector;
     for (int i = 0; i < m->nnear; i++) {
-        const int *uses = f->uses + f->share.start[i / LANES], *used = f->used + f->sector.start[i / LANES];
-        int counted = 0, first = 0;
-        for (int s = 0, n; (n = find_sector(m, i, s, member)) >= 0; first += uses[s++]) {
+        const int first = all->start[i / LANES], lane = i % LANES;
+        int counted = 0;
+        for (int s = first, n; (n = find_sector(m, i, s - first, member)) >= 0; s++) {
             member_means(m, i, 1, n, member, A, w);
             leave_out(m, unknown, i, n, member, w);
             if (n < m->dim || least_squares(n, m->dim, A, w, FLAT_SECTOR, W) > 0) continue;
             counted++;
-            put(&f->share, i, s, 0, 1);
-            for (int j = first; j < first + uses[s]; j++) place[used[j]] = j;
-            for (int j = 0; j < n; j++)
-                for (int k = 0; k < m->dim; k++) put(&f->sector, i, place[member[j]], k, W[(long)k * n + j]);
+            all->share[(long)s * LANES + lane] = 1;
+            for (int j = all->first[s]; j < all->first[s + 1]; j++) place[all->used[j]] = j;
+            for (int j = 0; j < n; j++) {
+                const long at = place[entry[m->stencil_start[i] + member[j]]];
+                for (int k = 0; k < m->dim; k++)
+                    all->data[(at * m->dim + k) * LANES + lane] = (float)W[(long)k * n + j];
+            }
         }
-        for (int j = f->share.start[i / LANES]; j < f->share.start[i / LANES + 1]; j++)
-            f->share.data[(long)j * LANES + i % LANES] /= CENTRAL + counted;
+        for (int s = first; s < all->start[i / LANES + 1]; s++)
+            all->share[(long)s * LANES + lane] /= (float)(CENTRAL + counted);
     }
 }
 
 /* Lists in used (NULL: counts) the entries of `member` that a sector of a batch has in any of its cells, upwards.
- * counted: room for one number a member. Returns how many these are. */
-static int list_used(const struct fit *f, int batch, int sector, int *member, int *counted, int *used) {
+ * member, counted: room for one number an entry. Returns how many these are. */
+static int list_used(const struct fit *f, int batch, int sector, const int *entry, int *member, int *counted,
+                     int *used) {
     const struct polyhedra *m = f->polyhedra;
     const int entries = f->member.start[batch + 1] - f->member.start[batch];
     int n = 0;
     for (int j = 0; j < entries; j++) counted[j] = 0;
     for (int i = batch * LANES; i < smallest(m->nnear, (batch + 1) * LANES); i++)
-        for (int j = find_sector(m, i, sector, member) - 1; j >= 0; j--) counted[member[j]]++;
+        for (int j = find_sector(m, i, sector, member) - 1; j >= 0; j--)
+            counted[entry[m->stencil_start[i] + member[j]]]++;
     for (int j = 0; j < entries; j++)
         if (counted[j]) {
             if (used) used[n] = j;
@@ -225,27 +315,34 @@ static int list_used(const struct fit *f, int batch, int sector, int *member, in
     return n;
 }
 
-static status make_sectors(struct fit *f, int *length, int *member, int *counted) {
+static status make_sectors(struct fit *f, const int *entry, int most, int *member, int *counted) {
     const struct polyhedra *m = f->polyhedra;
-    int most = 1;
-    for (int i = 0; i < m->nnear; i++)
-        for (length[i] = 0; find_sector(m, i, length[i], member) >= 0;) length[i]++;
-    TRY(entries_make(f, length, 1, false, &f->share));
-    TRY(allocate(&f->uses, f->share.start[f->nbatches], sizeof *f->uses, "sectors of a fit"));
+    struct sectors *s = &f->sector;
+    int longest = 1;
+    TRY(allocate(&s->start, f->nbatches + 1, sizeof *s->start, "sectors of a fit"));
     for (int b = 0; b < f->nbatches; b++) {
-        const int first = f->share.start[b], end = f->share.start[b + 1];
-        int uses = 0;
-        for (int s = first; s < end; s++) uses += f->uses[s] = list_used(f, b, s - first, member, counted, NULL);
-        for (int i = b * LANES; i < smallest(m->nnear, (b + 1) * LANES); i++) length[i] = uses;
-        most = end - first > most ? end - first : most;
+        int n = 0;
+        for (int i = b * LANES; i < smallest(m->nnear, (b + 1) * LANES); i++)
+            while (find_sector(m, i, n, member) >= 0) n++;
+        s->start[b + 1] = s->start[b] + n;
+        longest = n > longest ? n : longest;
     }
-    TRY(entries_make(f, length, m->dim, false, &f->sector));
-    TRY(allocate(&f->used, f->sector.start[f->nbatches], sizeof *f->used, "sectors of a fit"));
+    const int n = s->start[f->nbatches];
+    TRY(allocate(&s->first, n + 1, sizeof *s->first, "sectors of a fit"));
     for (int b = 0; b < f->nbatches; b++)
-        for (int s = f->share.start[b], at = f->sector.start[b]; s < f->share.start[b + 1]; s++)
-            at += list_used(f, b, s - f->share.start[b], member, counted, f->used + at);
-    TRY(allocate(&f->gradient, (long)f->nvar * most * m->dim * LANES, sizeof *f->gradient, "gradients of sectors"));
-    return allocate(&f->weight, (long)most * LANES, sizeof *f->weight, "weights of sectors");
+        for (int at = s->start[b]; at < s->start[b + 1]; at++)
+            s->first[at + 1] = s->first[at] + list_used(f, b, at - s->start[b], entry, member, counted, NULL);
+    TRY(allocate(&s->used, s->first[n], sizeof *s->used, "sectors of a fit"));
+    for (int b = 0; b < f->nbatches; b++)
+        for (int at = s->start[b]; at < s->start[b + 1]; at++)
+            list_used(f, b, at - s->start[b], entry, member, counted, s->used + s->first[at]);
+    const long each = (long)m->dim * LANES;
+    TRY(allocate(&s->share, (long)n * LANES, sizeof *s->share, "shares of sectors"));
+    TRY(allocate(&s->data, s->first[n] * each, sizeof *s->data, "weights of sectors"));
+    TRY(allocate(&s->change, (long)most * f->nvar * LANES, sizeof *s->change, "values of members"));
+    TRY(allocate(&s->taken, (long)most * f->nvar * LANES, sizeof *s->taken, "values of members"));
+    TRY(allocate(&s->gradient, longest * f->nvar * each, sizeof *s->gradient, "gradients of sectors"));
+    return allocate(&s->weight, (long)longest * LANES, sizeof *s->weight, "weights of sectors");
 }
 
 static status make_moments(struct fit *f, int *length) {
@@ -334,23 +431,24 @@ static status make_points(struct fit *f, const struct point_list *l, int *length
 
 static status make_weights(struct fit *f, const bool *unknown, int *length) {
     const struct polyhedra *m = f->polyhedra;
-    int most = most_members(m), ncoef = m->dim + (f->kind->degree > 1 ? m->dim * (m->dim + 1) / 2 : 0), *member = NULL;
+    const int ncoef = m->dim + (f->kind->degree > 1 ? m->dim * (m->dim + 1) / 2 : 0);
+    int members = most_members(m), most = members, *entry, *member = NULL;
     double *work = NULL;
-    for (int i = 0; i < m->nnear; i++) length[i] = m->stencil_start[i + 1] - m->stencil_start[i];
-    TRY(entries_make(f, length, ncoef, true, &f->member));
-    TRY(allocate(&f->change, (long)most * f->nvar * LANES, sizeof *f->change, "values of members"));
-    TRY(allocate(&f->all, most, sizeof *f->all, "values of members"));
-    for (int j = 0; j < most; j++) f->all[j] = j;
-    if (f->kind->degree == 1) TRY(make_halfway(f, length));
-    if (f->kind->degree == 2) TRY(make_moments(f, length));
-    status s = allocate(&member, 2L * most, sizeof *member, "a stencil");
-    if (!s) s = allocate(&work, (2L * ncoef + 1) * most, sizeof *work, "a least-squares problem");
+    TRY(allocate(&entry, m->stencil_start[m->nnear], sizeof *entry, "the stencils"));
+    status s = allocate(&work, (2L * ncoef + 1) * most, sizeof *work, "a least-squares problem");
+    if (!s) order_members(m, length, entry, work);
+    for (int i = 0; i < m->nnear; i++) most = length[i] > most ? length[i] : most;
+    if (!s) s = entries_make(f, length, ncoef, true, &f->member);
+    if (!s) s = allocate(&f->change, (long)most * f->nvar * LANES, sizeof *f->change, "values of members");
+    if (!s) s = f->kind->degree == 1 ? make_halfway(f, length) : make_moments(f, length);
+    if (!s) s = allocate(&member, 2L * most, sizeof *member, "a stencil");
     if (!s) {
-        double *w = work + 2L * ncoef * most, *W = work + (long)ncoef * most;
-        member_weights(f, unknown, member, work, w, W);
-        if (f->kind->degree == 2) s = make_sectors(f, length, member, member + most);
-        if (f->kind->degree == 2 && !s) sector_weights(f, unknown, member, member + most, work, w, W);
+        double *W = work + (long)ncoef * members, *w = W + (long)ncoef * members;
+        member_weights(f, unknown, entry, member, work, w, W);
+        if (f->kind->degree == 2) s = make_sectors(f, entry, most, member, member + most);
+        if (f->kind->degree == 2 && !s) sector_weights(f, unknown, entry, member, member + most, work, w, W);
     }
+    free(entry);
     free(member);
     free(work);
     return s;
@@ -432,12 +530,6 @@ status fit_turns(struct fit *f, int n, const int *cells, const int *faces) {
     return allocate(&f->value, f->nvar * f->nvalues, sizeof *f->value, "values at face points");
 }
 
-static int nearest_members(const struct polyhedra *m, int i) {
-    int n = 0, first = m->stencil_start[i];
-    while (first + n < m->stencil_start[i + 1] && m->ring[first + n] == 1) n++;
-    return n;
-}
-
 /* Computes the weights of the gradient of cell i from its first n members; returns whether these span the axes. */
 static bool gradient_weights(const struct polyhedra *m, int i, int n, const int *all, double *work, double *W) {
     double *w = work + (long)m->dim * n;
@@ -491,16 +583,24 @@ status fit_make(const struct polyhedra *m, const struct polynomial *p, int compo
     return s;
 }
 
+static void sectors_free(struct sectors *s) {
+    free(s->start);
+    free(s->share);
+    free(s->first);
+    free(s->used);
+    free(s->data);
+    free(s->change);
+    free(s->taken);
+    free(s->gradient);
+    free(s->weight);
+}
+
 void fit_free(struct fit *f) {
     if (!f) return;
-    struct entries *all[] = {&f->member, &f->halfway, &f->sector, &f->share, &f->moment, &f->point};
+    struct entries *all[] = {&f->member, &f->halfway, &f->moment, &f->point};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) entries_free(all[i]);
-    free(f->uses);
-    free(f->used);
-    free(f->all);
+    sectors_free(&f->sector);
     free(f->change);
-    free(f->gradient);
-    free(f->weight);
     free(f->value);
     free(f->slot);
     free(f->place[0]);

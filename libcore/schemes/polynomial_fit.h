@@ -9,7 +9,10 @@
 
 #include "libcore/schemes/polynomial.h"
 
-enum { LANES = 32, MAX_QUADRATIC = POLYHEDRA_MOMENTS };
+/* VECTOR lanes and PART coefficients are summed at a time: MAX_VAR times these, in vectors, fit the registers. */
+enum { LANES = 32, VECTOR = 8, MAX_QUADRATIC = POLYHEDRA_MOMENTS };
+
+#define PART(coefficients) ((coefficients) > 5 ? 3 : (coefficients))
 
 struct entries {
     int width;    /* numbers per entry */
@@ -17,22 +20,32 @@ struct entries {
     int *cell;    /* [start[nbatches]][LANES] or NULL */
     double *data; /* [start[nbatches]][width][LANES] */
 };
+/* Sectors have single precision, in units of the scales of the cell: they count where the solution is not smooth, and
+ * are of first order there. Where it is smooth, the polynomial holds their round-off, 1e-7, times the share of a sector
+ * and times the square of (tau/(I + epsilon)): less than the round-off of the quadratic. */
+struct sectors {
+    int *start;      /* [nbatches + 1] the sectors of each batch */
+    float *share;    /* [start[nbatches]][LANES] linear weight of each; 0: the cell has no such sector */
+    int *first;      /* [start[nbatches] + 1] the entries of each */
+    int *used;       /* [first[start[nbatches]]] which entries of `member` these are, of those of the batch */
+    float *data;     /* [first[start[nbatches]]][dim][LANES] their weights in the gradient */
+    float *change;   /* [entries][nvar][LANES] of one batch: changes in the frames of the cells, over the scales */
+    float *taken;    /* [entries of one sector][nvar][LANES] those of its members */
+    float *gradient; /* [sectors][nvar][dim][LANES] of one batch */
+    float *weight;   /* [sectors][LANES] of one batch: smoothness, then nonlinear weights */
+};
 struct fit {
     const struct polyhedra *polyhedra; /* borrowed */
     const struct polynomial *kind;
-    int nvar, nbatches;     /* nvar = components of u + 2 */
-    struct entries member;  /* members of the stencil, with the weights of their values in every coefficient */
+    int nvar, nbatches; /* nvar = components of u + 2 */
+    /* Members of the stencil, with the weights of their values in every coefficient. In each batch these stand in the
+     * order in which they are read: [LANES/VECTOR][width/PART][entries][PART][VECTOR]. */
+    struct entries member;
     struct entries halfway; /* linear: half the offsets to first-ring members, over h; no cells */
-    struct entries share;   /* CWENO3: linear weight of each sector; 0: the sector is left out */
-    int *uses;              /* CWENO3: [share.start[nbatches]] how many entries of `member` a sector has */
-    struct entries sector;  /* CWENO3: their weights in the gradients of the sectors, sector by sector; no cells */
-    int *used;              /* CWENO3: [sector.start[nbatches]] which these are, of those of the batch */
+    struct sectors sector;  /* CWENO3 */
     struct entries moment;  /* CWENO3: one entry, moments over h^2 */
     struct entries point;   /* face points of the cells, arms over h; no cells */
-    int *all;               /* [most entries] 0, 1, .. */
     double *change;         /* values of the members of one batch less the cell's own, [entries][nvar][LANES] */
-    double *gradient;       /* CWENO3: gradients of the sectors of one batch, [nvar][sectors][dim][LANES] */
-    double *weight;         /* CWENO3: nonlinear weights of the sectors of one batch, [sectors][LANES] */
     double *value;          /* [nvar][nvalues], those of a batch from entry slot[batch] on, entry by entry of `point` */
     long nvalues;           /* values of one variable */
     int *slot;              /* [nbatches] */
