@@ -29,6 +29,7 @@ struct cells_sweep { /* libcore/polyhedral/cells_sweep.c */
 struct cells_sides { /* libcore/polyhedral/cells_sweep.c: the faces of chunks of BATCH cells */
     int *start;      /* [chunks + 1] */
     int *face;       /* [start[chunks]][BATCH] as face_of_cell; beyond all faces where a cell has no more */
+    int *number;     /* the same without the mark of the right side: a condition on a place keeps loops from vectors */
 };
 struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces, nblocks: of struct polyhedra */
     struct polyhedra *polyhedra;

@@ -351,22 +351,21 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
 }
 
 /* The sides that a cell lacks beside others of its chunk count 0, which changes no bit, as no sum is ever -0. */
-KERNEL static void sum_sides(int rows, int n, const int (*restrict side)[BATCH], const double *restrict flux,
-                             const double *restrict inverse, double *restrict out) {
+KERNEL static void sum_sides(int rows, int n, const int (*restrict side)[BATCH], const int (*restrict number)[BATCH],
+                             const double *restrict flux, const double *restrict inverse, double *restrict out) {
     double sum[BATCH];
     for (int i = 0; i < BATCH; i++) sum[i] = 0;
     for (int j = 0; j < rows; j++)
         for (int i = 0; i < BATCH; i++) {
-            const int face = side[j][i];
-            const double q = flux[face < 0 ? ~face : face];
-            sum[i] += face < 0 ? q : -q;
+            const double q = flux[number[j][i]];
+            sum[i] += side[j][i] < 0 ? q : -q;
         }
     for (int i = 0; i < n; i++) out[i] = sum[i] * inverse[i];
 }
 void cells_residuals(const struct cells *c, int from, int n, const double *flux, double *residual) {
     const int *start = c->sides.start + from / BATCH;
-    sum_sides(start[1] - start[0], n, (const int(*)[BATCH])c->sides.face + start[0], flux, c->inverse_volume + from,
-              residual);
+    sum_sides(start[1] - start[0], n, (const int(*)[BATCH])c->sides.face + start[0],
+              (const int(*)[BATCH])c->sides.number + start[0], flux, c->inverse_volume + from, residual);
 }
 
 struct stage { /* of cells_stage and cells_redo */
