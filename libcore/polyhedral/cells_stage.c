@@ -42,11 +42,10 @@ static void find_frames(const struct polyhedra *m, struct points *p) {
     }
 }
 
-/* Turns the momentum of n states q into the frames of their faces or, with the axes' entries exchanged, out of them;
- * its components beyond dim are the same in every frame. */
-KERNEL static void turn_momentum(int n, int dim, bool back, double (*restrict axis)[MAX_DIM][BATCH],
-                                 double (*restrict q)[BATCH]) {
-    double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
+/* `back` exchanges the entries of the axes; components beyond dim are the same in every frame. */
+KERNEL static void turn_vectors(int n, int dim, bool back, double (*restrict axis)[MAX_DIM][BATCH],
+                                double (*restrict q)[BATCH]) {
+    double *restrict m0 = q[0], *restrict m1 = q[1], *restrict m2 = q[2];
     const double *restrict xx = axis[0][0], *restrict xy = back ? axis[1][0] : axis[0][1];
     const double *restrict xz = back ? axis[2][0] : axis[0][2], *restrict yx = back ? axis[0][1] : axis[1][0];
     const double *restrict yy = axis[1][1], *restrict yz = back ? axis[2][1] : axis[1][2];
@@ -68,11 +67,14 @@ KERNEL static void turn_momentum(int n, int dim, bool back, double (*restrict ax
             m2[i] = a * zx[i] + b * zy[i] + c * zz[i];
         }
 }
+void cells_turn_vectors(int n, int dim, bool back, double (*axis)[MAX_DIM][BATCH], double (*q)[BATCH]) {
+    turn_vectors(n, dim, back, axis, q);
+}
 static void into_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
-    turn_momentum(p->n, g->dim, false, p->axis, q);
+    turn_vectors(p->n, g->dim, false, p->axis, q + 1);
 }
 static void out_of_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
-    turn_momentum(p->n, g->dim, true, p->axis, q);
+    turn_vectors(p->n, g->dim, true, p->axis, q + 1);
 }
 
 /* F_n = u_n U + p (0, 1, u_n) */
