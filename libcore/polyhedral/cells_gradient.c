@@ -123,17 +123,17 @@ status cells_gradient_weights(const struct gas *g, struct entries *r) {
 /* The gradients of a line in a batch of lanes whose lists have `count` entries. */
 ALWAYS_INLINE void lane_gradients(int dim, int count, const int *restrict cell, const double *restrict w, int first,
                                   const double *restrict q, double *const *gradient, int step) {
-    double change[6][LANES], sum[MAX_DIM][LANES];
+    double change[6][LANES];
     for (int j = 0; j < count; j++)
         for (int l = 0; l < LANES; l++) change[j][l] = q[cell[j * LANES + l]] - q[first + l];
     for (int k = 0; k < dim; k++) {
+        double *restrict out = gradient[k * step] + first;
         for (int l = 0; l < LANES; l++) {
-            double s = 0;
+            double sum = 0;
             UNROLL
-            for (int j = 0; j < count; j++) s = fma(w[(j * dim + k) * LANES + l], change[j][l], s);
-            sum[k][l] = s;
+            for (int j = 0; j < count; j++) sum = fma(w[(j * dim + k) * LANES + l], change[j][l], sum);
+            out[l] = sum;
         }
-        memcpy(gradient[k * step] + first, sum[k], sizeof sum[k]);
     }
 }
 

@@ -334,6 +334,28 @@ static void limit_run(struct gas *g, int first, int last, const double *const *U
     if (p->n) limit_batch(g, U, p);
 }
 
+/* Is the flux through an inner face not wanted, as a bed keeps the cells on both sides as they are? */
+static bool is_idle(const struct gas *g, const double *part, int face) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    return part[f->left[face]] >= BED_FROZEN && part[f->right[face]] >= BED_FROZEN;
+}
+
+/* Returns the end of the batch of inner faces, of one point each, that begins with `first`: before a run of IDLE faces
+ * that are not wanted. *from: its first face, behind those. */
+static int wanted_end(const struct gas *g, int first, int last, int *from) {
+    enum { IDLE = 16 }; /* fewer cost less than a shorter batch */
+    const double *part = g->step.hybrid && !g->limits.flags.blocks[0] ? g->dense->part[0] : NULL;
+    while (part && first < last && is_idle(g, part, first)) first++;
+    const int most = first + BATCH < last ? first + BATCH : last;
+    *from = first;
+    if (!part) return most;
+    for (int end = first, idle = 0; end < most; end++) {
+        idle = is_idle(g, part, end) ? idle + 1 : 0;
+        if (idle == IDLE) return end + 1 - IDLE;
+    }
+    return most;
+}
+
 /* Faces first <= i < last, in batches; those of flagged cells limited. */
 static void face_fluxes(struct gas *g, int first, int last, const double *const *U) {
     const struct cells *c = g->cells;
@@ -342,10 +364,11 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
     for (int end; first < last; first = end) {
         const int patch = first < f->ninternal ? -1 : f->patch[first - f->ninternal];
         if (patch < 0 && c->polyhedra->point.n == f->n)
-            end = first + BATCH < last ? first + BATCH : last;
+            end = wanted_end(g, first, last, &first);
         else
             for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
                 if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
+        if (first == end) continue;
         batch_fluxes(g, first, end, U, &p);
         if (g->limits.flags.blocks[0]) limit_run(g, first, end, U, &p);
         if (g->patches.fed && patch >= 0 && patch_feeds(&g->patches.rules[patch])) feed(g, first, end, U);
