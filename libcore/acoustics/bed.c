@@ -77,6 +77,12 @@ static status make_lines(struct bed *b) {
     TRY(ARRAYS_GROW(&x->arrays, x->link_first, s->cells + 1L + sides));
     TRY(ARRAYS_GROW(&x->arrays, x->weight, sides));
     TRY(ARRAYS_GROW(&x->arrays, x->block_sums, (long)BLUR_SUMS * s->blocks));
+    if (!s->shapes->boxes) {
+        TRY(ARRAYS_GROW(&x->arrays, x->pull, sides * b->dim));
+        TRY(ARRAYS_GROW(&x->arrays, x->inverse, (long)s->cells * b->dim * b->dim));
+        TRY(ARRAYS_GROW(&x->arrays, x->sloped, s->cells));
+    }
+    x->weighed = false;
     x->link = x->link_first + s->cells + 1;
     for (int i = 0; i < OF_CELL; i++) *of_cell[i] = x->cells + i * cells;
     for (int i = 0; i < OF_FACE; i++) *of_face[i] = x->faces + (long)i * s->faces;

@@ -26,6 +26,10 @@ struct bed_lines {
     /* the links of the linear system */
     int *link_first, *link;
     double *weight;
+    /* of slopes on meshes other than boxes (bed_slopes.c): [sides][dim] 1/m, [cells][dim][dim]; are there slopes? */
+    double *pull, *inverse;
+    unsigned char *sloped; /* [cells] */
+    bool weighed;          /* do these belong to the present set? */
     double *block_sums;    /* [blocks][BLUR_SUMS] */
     double *cells, *faces; /* the memory of the lines above */
     struct arrays arrays;

@@ -34,12 +34,10 @@ static void slopes_of_box(struct bed *b, double *const *of, int first, int end, 
 
 enum { SIDES = 64 }; /* of one cell; a cell with more has no slopes */
 struct around {
-    int n;
-    struct bed_side side[SIDES];
-    double to[SIDES]
-             [MAX_DIM];   /* m: from the cell's centre to that of its neighbour, or of its mirror image at a wall */
-    double weight[SIDES]; /* 1/m^2 */
-    double inverse[MAX_DIM][MAX_DIM]; /* of sum_j weight to_a to_b */
+    int n, shape[SIDES], across[SIDES]; /* across: the neighbour; -1: a wall */
+    double arm[SIDES][MAX_DIM];         /* m: from the cell's centre to that of the face */
+    const double *pull;                 /* [n][dim] */
+    const double *inverse;              /* [dim][dim] */
 };
 
 /* Inverts the symmetric A; returns false if it is all but singular. */
@@ -58,77 +56,117 @@ static bool invert(int dim, double (*A)[MAX_DIM], double (*out)[MAX_DIM]) {
     return determinant > FLAT;
 }
 
-/* Lists what is around a cell. Returns false if the cell has no slopes. */
-static bool look_around(const struct bed *b, int i, struct around *a) {
-    double A[MAX_DIM][MAX_DIM] = {{0}};
-    a->n = b->set.face_start[i + 1] - b->set.face_start[i];
-    if (a->n > SIDES) return false;
-    for (int j = 0; j < a->n; j++) {
-        const struct bed_side s = a->side[j] = bed_side(b, b->set.face_start[i] + j);
-        double square = 0;
+/* Finds the weights of the neighbours of a cell in its least squares: pull, the vector to a neighbour, or to the mirror
+ * image at a wall, over its square, and the inverse of their matrix. Returns false if the cell has no slopes. */
+static bool weigh_around(const struct bed *b, int i, double *pull, double *inverse) {
+    double A[MAX_DIM][MAX_DIM] = {{0}}, out[MAX_DIM][MAX_DIM];
+    const int first = b->set.face_start[i], n = b->set.face_start[i + 1] - first, dim = b->dim;
+    if (n > SIDES) return false;
+    for (int j = 0; j < n; j++) {
+        const struct bed_side s = bed_side(b, first + j);
+        double to[MAX_DIM], square = 0;
         if (b->set.kind[s.face] != BED_INNER && b->set.kind[s.face] != BED_WALL) return false;
-        for (int k = 0; k < b->dim; k++) {
-            a->to[j][k] = b->set.shapes->arm[s.right][k][s.shape] - b->set.shapes->arm[!s.right][k][s.shape];
-            square += a->to[j][k] * a->to[j][k];
+        for (int k = 0; k < dim; k++) {
+            to[k] = b->set.shapes->arm[s.right][k][s.shape] - b->set.shapes->arm[!s.right][k][s.shape];
+            square += to[k] * to[k];
         }
-        a->weight[j] = 1 / square;
-        for (int k = 0; k < b->dim; k++)
-            for (int l = 0; l < b->dim; l++) A[k][l] += a->weight[j] * a->to[j][k] * a->to[j][l];
+        const double weight = 1 / square;
+        for (int k = 0; k < dim; k++) {
+            pull[j * dim + k] = weight * to[k];
+            for (int l = 0; l < dim; l++) A[k][l] += pull[j * dim + k] * to[l];
+        }
     }
-    return invert(b->dim, A, a->inverse);
+    if (!invert(dim, A, out)) return false;
+    for (int k = 0; k < dim; k++)
+        for (int l = 0; l < dim; l++) inverse[k * dim + l] = out[k][l];
+    return true;
+}
+
+/* Lists what is around a cell. */
+ALWAYS_INLINE void look_around(const struct bed *b, int dim, int i, struct around *a) {
+    const int first = b->set.face_start[i];
+    a->n = b->set.face_start[i + 1] - first;
+    a->pull = b->lines->pull + (long)first * dim;
+    a->inverse = b->lines->inverse + (long)i * dim * dim;
+    for (int j = 0; j < a->n; j++) {
+        const struct bed_side s = bed_side(b, first + j);
+        a->shape[j] = s.shape;
+        a->across[j] = b->set.kind[s.face] == BED_INNER ? bed_across(b, &s) : -1;
+        for (int k = 0; k < dim; k++) a->arm[j][k] = b->set.shapes->arm[s.right][k][s.shape];
+    }
 }
 
 /* Returns variable v across side j of cell i. A wall mirrors the velocity; of other variables it gives the cell's
  * value.
  */
 static double value_across(const struct bed *b, const struct around *a, int j, int i, double *const *of, int v) {
-    const struct bed_side *s = &a->side[j];
-    if (b->set.kind[s->face] == BED_INNER) return of[v][bed_across(b, s)];
+    if (a->across[j] >= 0) return of[v][a->across[j]];
     if (v < 1 || v > b->dim) return of[v][i];
-    return of[v][i] - 2 * b->set.shapes->normal[v - 1][s->shape] * bed_normal_speed(b, of + 1, i, s->shape);
+    return of[v][i] - 2 * b->set.shapes->normal[v - 1][a->shape[j]] * bed_normal_speed(b, of + 1, i, a->shape[j]);
 }
 
-/* Lowers `share` until a reach stays between least and most. */
-static void bound(double reach, double least, double most, double *share) {
-    if (reach > most) *share = smaller(*share, most / reach);
-    if (reach < least) *share = smaller(*share, least / reach);
+/* Returns the share at which a reach stays between least <= 0 and most >= 0, if it is below `share`, which is at most
+ * 1; without a condition on the reach, which no processor foresees. */
+static double bound(double reach, double least, double most, double share) {
+    return smaller((reach > 0 ? most : least) / reach, share);
 }
 
-static void slope_of_cell(struct bed *b, const struct around *a, double *const *of, int v, int i, double dt) {
+ALWAYS_INLINE void slope_of_cell(struct bed *b, int dim, const struct around *a, double *const *of, int v, int i,
+                                 double dt) {
     const double q = of[v][i];
-    double most = 0, least = 0, sum[MAX_DIM] = {0}, share = 1;
+    double most = 0, least = 0, sum[MAX_DIM] = {0}, slope[MAX_DIM], share = 1, drift = 0;
     for (int j = 0; j < a->n; j++) {
         const double change = value_across(b, a, j, i, of, v) - q;
         most = larger(most, change);
         least = smaller(least, change);
-        for (int k = 0; k < b->dim; k++) sum[k] += a->weight[j] * a->to[j][k] * change;
+        for (int k = 0; k < dim; k++) sum[k] += a->pull[j * dim + k] * change;
     }
-    for (int k = 0; k < b->dim; k++) {
-        double slope = 0;
-        for (int l = 0; l < b->dim; l++) slope += a->inverse[k][l] * sum[l];
-        b->lines->slope[k][v][i] = slope;
+    for (int k = 0; k < dim; k++) {
+        slope[k] = 0;
+        for (int l = 0; l < dim; l++) slope[k] += a->inverse[k * dim + l] * sum[l];
     }
+    for (int k = 0; k < dim && dt > 0; k++) drift += of[k + 1][i] * slope[k];
+    drift *= -0.5 * dt;
     for (int j = 0; j < a->n; j++) {
-        const double reach = bed_reach(b, &a->side[j], i, v);
-        bound(reach, least, most, &share);
-        if (dt > 0) bound(reach + bed_drift(b, of + 1, dt, i, v), least, most, &share);
+        double reach = 0;
+        for (int k = 0; k < dim; k++) reach += a->arm[j][k] * slope[k];
+        share = bound(reach, least, most, share);
+        if (dt > 0) share = bound(reach + drift, least, most, share);
     }
-    for (int k = 0; k < b->dim; k++) b->lines->slope[k][v][i] *= share;
+    for (int k = 0; k < dim; k++) b->lines->slope[k][v][i] = slope[k] * share;
+}
+
+ALWAYS_INLINE void slopes_of_cells(struct bed *b, int dim, double *const *of, int first, int end, double dt) {
+    struct around a;
+    for (int i = 0; i < b->set.cells; i++) {
+        if (b->lines->sloped[i]) look_around(b, dim, i, &a);
+        for (int v = first; v < end; v++)
+            if (b->lines->sloped[i])
+                slope_of_cell(b, dim, &a, of, v, i, dt);
+            else
+                for (int k = 0; k < dim; k++) b->lines->slope[k][v][i] = 0;
+    }
+}
+
+/* The weights hold until the set changes. */
+static void weigh_cells(struct bed *b) {
+    struct bed_lines *x = b->lines;
+    if (x->weighed) return;
+    for (int i = 0; i < b->set.cells; i++)
+        x->sloped[i] =
+            weigh_around(b, i, x->pull + (long)b->set.face_start[i] * b->dim, x->inverse + (long)i * b->dim * b->dim);
+    x->weighed = true;
 }
 
 void bed_slopes(struct bed *b, double *const *of, int first, int end, double dt) {
-    struct around a;
     if (b->set.shapes->boxes) {
         for (int k = 0; k < b->dim; k++)
             for (int i = 0; i < b->set.cells; i++)
                 slopes_of_box(b, of, dt > 0 ? first : k + 1, dt > 0 ? end : k + 2, k, i);
         return;
     }
-    for (int i = 0; i < b->set.cells; i++) {
-        const bool sloped = look_around(b, i, &a);
-        for (int v = first; v < end; v++) {
-            for (int k = 0; k < b->dim; k++) b->lines->slope[k][v][i] = 0;
-            if (sloped) slope_of_cell(b, &a, of, v, i, dt);
-        }
-    }
+    weigh_cells(b);
+    if (b->dim == 1) slopes_of_cells(b, 1, of, first, end, dt);
+    if (b->dim == 2) slopes_of_cells(b, 2, of, first, end, dt);
+    if (b->dim == 3) slopes_of_cells(b, 3, of, first, end, dt);
 }

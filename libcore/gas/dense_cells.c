@@ -446,15 +446,16 @@ static status list_bed(struct gas *g) {
     return OK;
 }
 
-/* Copies the bed's cells from a state, or to it. */
+/* Copies the bed's cells from a state, or to it. On polyhedra most rows are single cells. */
 static void copy(const struct gas *g, const struct state *s, bool out) {
     const struct dense *d = g->dense;
-    double *const *U = d->bed.home->U;
-    for (int r = 0, i = 0; r < d->rows; i += d->row[r++].n)
-        for (int v = 0; v < g->nvar; v++) {
+    for (int v = 0; v < g->nvar; v++) {
+        double *U = d->bed.home->U[v];
+        for (int r = 0; r < d->rows; U += d->row[r++].n) {
             double *line = s->block[d->row[r].block] + v * g->size + d->row[r].at;
-            memcpy(out ? line : U[v] + i, out ? U[v] + i : line, (size_t)d->row[r].n * sizeof *line);
+            for (int i = 0; i < d->row[r].n; i++) *(out ? line + i : U + i) = out ? U[i] : line[i];
         }
+    }
 }
 
 void dense_take(struct gas *g, const struct state *from) {
@@ -463,11 +464,15 @@ void dense_take(struct gas *g, const struct state *from) {
 
 long dense_put(struct gas *g, const struct state *to) {
     const struct dense *d = g->dense;
+    double *const *U = d->bed.home->U, mark[BATCH];
     long bad = 0;
     spans_unfold(g, to, d->holds);
     copy(g, to, true);
-    for (int r = 0; r < d->rows; r++)
-        bad += row_inadmissible(g, to->block[d->row[r].block], d->row[r].at, d->row[r].n, NULL);
+    for (int at = 0, cells = d->bed.home->cells; at < cells; at += BATCH) {
+        const int n = cells - at < BATCH ? cells - at : BATCH;
+        if (!find_bad(n, g->components, U[1] - U[0], g->limits.least, g->limits.most, U[0] + at, mark)) continue;
+        for (int i = 0; i < n; i++) bad += mark[i] > 0;
+    }
     return bad;
 }
 

@@ -29,6 +29,7 @@ struct cells_sweep { /* libcore/polyhedral/cells_sweep.c */
 struct cells_sides { /* libcore/polyhedral/cells_sweep.c: the faces of chunks of BATCH cells */
     int *start;      /* [chunks + 1] */
     int *face;       /* [start[chunks]][BATCH] as face_of_cell; beyond all faces where a cell has no more */
+    int *number;     /* the same without the mark of the right side: a condition on a place keeps loops from vectors */
 };
 struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces, nblocks: of struct polyhedra */
     struct polyhedra *polyhedra;
@@ -61,6 +62,9 @@ void cells_primitives(const struct gas *g, int n, const double *U, struct cells_
 /* line[v] <- the line of variable v of a state */
 void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]);
 
+/* Turns n vectors q[dim][BATCH] from the axes of the mesh into the frames of faces, whose axes are the normal and the
+ * tangents; `back`: out of them. */
+void cells_turn_vectors(int n, int dim, bool back, double (*axis)[MAX_DIM][BATCH], double (*q)[BATCH]);
 /* Writes the states of the mirrors from <= i < to into U. */
 void cells_mirrors(const struct gas *g, int from, int to, double *const U[MAX_VAR]);
 /* States beyond n points of a patch's faces: q -> ghost, conserved variables in the frames of the faces (normal first);

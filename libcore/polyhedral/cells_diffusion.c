@@ -256,85 +256,97 @@ struct face_batch { /* a batch of faces, and the cells on both sides */
     const double *lever;
 };
 
-ALWAYS_INLINE void take_jumps(const struct face_batch *f, const double *restrict q, double *restrict jump,
-                              double *restrict mean) {
+/* jump <- S_R - S_L; M <- the mean of the gradients of both cells, without those of faces that leave them out. */
+ALWAYS_INLINE void gather_sides(int dim, int lines, const struct face_batch *f, double *const *S,
+                                double *const *gradient, double (*restrict jump)[BATCH], double (*restrict M)[BATCH]) {
     const int *restrict left = f->left, *restrict right = f->right;
-    for (int i = 0; i < f->n; i++) {
-        const double a = q[left[i]], b = q[right[i]];
-        jump[i] = b - a;
-        mean[i] = a + f->share[i] * (b - a);
+    for (int c = 0; c < lines; c++) {
+        const double *restrict q = S[c];
+        for (int i = 0; i < f->n; i++) jump[c][i] = q[right[i]] - q[left[i]];
     }
-}
-
-ALWAYS_INLINE void take_mean(const struct face_batch *f, const double *restrict q, double *restrict mean) {
-    const int *restrict left = f->left, *restrict right = f->right;
-    for (int i = 0; i < f->n; i++) {
-        const double a = q[left[i]], b = q[right[i]];
-        mean[i] = 0.5 * (a + b);
+    for (int k = 0; k < dim * lines; k++) {
+        const double *restrict q = gradient[k];
+        for (int i = 0; i < f->n; i++) M[k][i] = 0.5 * (q[left[i]] + q[right[i]]);
     }
-    for (int i = 0; f->keep && i < f->n; i++) mean[i] *= f->keep[i];
+    for (int k = 0; k < dim * lines && f->keep; k++)
+        for (int i = 0; i < f->n; i++) M[k][i] *= f->keep[i];
 }
 
 /* With the gradient G = M + n (a - n.M) of the head of this file, M the mean and a = n.G: the force of the left cell on
- * the right one, -(lambda tr(G) n + mu (G + G^T) n), and its work on the mean. The components c of u from dim on, up to
- * m, lie along axes without derivatives: their force is -mu a_c alone; that of a swirl, of which S is u_s/r, -mu times
- * lever a_c, with the work lever S. */
+ * the right one, -(lambda tr(G) n + mu (G + G^T) n). The components c of u from dim on, up to m, lie along axes without
+ * derivatives: their force is -mu a_c alone; that of a swirl, of which S is u_s/r, -mu times lever a_c. */
 ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct face_batch *f, double *const *S,
                                  double *const *gradient, double *const *out) {
-    double a[MAX_DIM][BATCH], at[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH], found[MAX_DIM + 1][BATCH];
-    double stretch[BATCH] = {0}, trace[BATCH] = {0};
-    const struct face_batch g =
-        *f; /* neither this nor `found` is seen from outside, or compilers expect them to overlap */
-    for (int c = 0; c < m; c++) take_jumps(f, S[c], a[c], at[c]);
-    for (int i = 0; i < dim * m && dim > 1; i++) take_mean(f, gradient[i], M[i]);
-    for (int c = 0; c < dim; c++) /* short loops, or compilers do not unroll the inner ones */
-        for (int i = 0; i < g.n; i++) {
+    const int slopes = dim > 1 ? dim : 0;
+    double jump[MAX_DIM][BATCH], M[MAX_DIM * MAX_DIM][BATCH];
+    const struct face_batch g = *f; /* not seen from outside, or compilers expect it to overlap `out` */
+    gather_sides(slopes, m, f, S, gradient, jump, M);
+    EACH_ALONE
+    for (int i = 0; i < g.n; i++) {
+        double a[MAX_DIM], stretch = 0, trace = 0;
+        UNROLL
+        for (int c = 0; c < dim; c++) {
             double along = 0;
-            a[c][i] *= g.inverse[i];
-            for (int k = 0; k < dim && dim > 1; k++) {
-                a[c][i] += g.oblique[k][i] * M[k * m + c][i];
+            a[c] = jump[c][i] * g.inverse[i];
+            UNROLL
+            for (int k = 0; k < slopes; k++) {
+                a[c] += g.oblique[k][i] * M[k * m + c][i];
                 along += g.normal[k][i] * M[k * m + c][i];
             }
-            stretch[i] += g.normal[c][i] * (a[c][i] - along);
-            if (dim > 1) trace[i] += M[c * m + c][i];
+            stretch += g.normal[c][i] * (a[c] - along);
+            if (dim > 1) trace += M[c * m + c][i];
         }
-    for (int i = 0; i < g.n && round; i++) {
-        trace[i] += g.around[i];
-        g.hoop[i] = g.face[0][i] * (trace[i] + stretch[i]) + 2 * g.face[1][i] * g.around[i];
+        if (round) {
+            trace += g.around[i];
+            g.hoop[i] = g.face[0][i] * (trace + stretch) + 2 * g.face[1][i] * g.around[i];
+        }
+        UNROLL
+        for (int k = 0; k < dim; k++) {
+            double across = g.normal[k][i] * stretch;
+            UNROLL
+            for (int c = 0; c < slopes; c++) across += g.normal[c][i] * M[k * m + c][i];
+            const double spread = (trace + stretch) * g.normal[k][i];
+            out[k][i] = -(g.face[0][i] * spread + g.face[1][i] * (a[k] + across));
+        }
+        UNROLL
+        for (int c = dim; c < m; c++) {
+            double slope = jump[c][i] * g.inverse[i];
+            UNROLL
+            for (int k = 0; k < slopes; k++) slope += g.oblique[k][i] * M[k * m + c][i];
+            out[c][i] = -(g.face[1][i] * slope);
+            if (round && c == g.swirl) out[c][i] *= g.lever[i];
+        }
     }
-    for (int i = 0; i < g.n; i++) found[m][i] = 0;
-    for (int k = 0; k < dim; k++)
-        for (int i = 0; i < g.n; i++) {
-            double across = g.normal[k][i] * stretch[i];
-            for (int c = 0; c < dim && dim > 1; c++) across += g.normal[c][i] * M[k * m + c][i];
-            const double spread = (trace[i] + stretch[i]) * g.normal[k][i];
-            found[k][i] = -(g.face[0][i] * spread + g.face[1][i] * (a[k][i] + across));
-            found[m][i] += found[k][i] * at[k][i];
-        }
-    for (int c = dim; c < m; c++)
-        for (int i = 0; i < g.n; i++) {
-            double slope = a[c][i] * g.inverse[i];
-            for (int k = 0; k < dim && dim > 1; k++) slope += g.oblique[k][i] * M[k * m + c][i];
-            found[c][i] = -(g.face[1][i] * slope);
-            if (round && c == g.swirl) {
-                found[c][i] *= g.lever[i];
-                at[c][i] *= g.lever[i];
-            }
-            found[m][i] += found[c][i] * at[c][i];
-        }
-    for (int k = 0; k <= m; k++) memcpy(out[k], found[k], (size_t)g.n * sizeof(double));
 }
 
-ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, const double *S, double *const *gradient,
-                              double *restrict out) {
-    double jump[BATCH], at[BATCH], M[MAX_DIM][BATCH];
-    take_jumps(f, S, jump, at);
-    for (int i = 0; i < f->n; i++) out[i] = jump[i] * f->inverse[i];
-    for (int k = 0; k < dim && gradient; k++) {
-        take_mean(f, gradient[k], M[k]);
-        for (int i = 0; i < f->n; i++) out[i] += f->oblique[k][i] * M[k][i];
+/* The work of the forces on the mean of both cells, m lines -> out[m]. */
+KERNEL static void work_faces(int m, const struct face_batch *f, double *const *S, double *const *out) {
+    const struct face_batch g = *f;
+    double *restrict work = out[m];
+    for (int i = 0; i < g.n; i++) work[i] = 0;
+    for (int c = 0; c < m; c++) {
+        const double *restrict q = S[c], *restrict force = out[c];
+        for (int i = 0; i < g.n; i++) {
+            const double a = q[g.left[i]], b = q[g.right[i]];
+            double at = a + g.share[i] * (b - a);
+            if (g.swirl && c == g.swirl) at *= g.lever[i];
+            work[i] += force[i] * at;
+        }
     }
-    for (int i = 0; i < f->n; i++) out[i] *= -f->face[2][i];
+}
+
+ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, double *const *S, double *const *gradient,
+                              double *restrict out) {
+    double jump[1][BATCH], M[MAX_DIM][BATCH];
+    const struct face_batch g = *f;
+    gather_sides(gradient ? dim : 0, 1, f, S, gradient, jump, M);
+    EACH_ALONE
+    for (int i = 0; i < g.n; i++) {
+        double slope = jump[0][i] * g.inverse[i];
+        UNROLL
+        for (int k = 0; k < dim && gradient; k++) slope += g.oblique[k][i] * M[k][i];
+        out[i] = slope * -g.face[2][i];
+    }
 }
 
 #define FACES(dim, m)                                                                                                  \
@@ -343,7 +355,7 @@ ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, const double 
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, m, false, f, S, gradient, out);                                                         \
         else                                                                                                           \
-            heat_faces(dim, f, S[0], dim > 1 ? gradient : NULL, out[0]);                                               \
+            heat_faces(dim, f, S, dim > 1 ? gradient : NULL, out[0]);                                                  \
     }
 FACES(1, 1)
 FACES(1, 2)
@@ -357,7 +369,7 @@ FACES(3, 3)
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, m, true, f, S, gradient, out);                                                          \
         else                                                                                                           \
-            heat_faces(dim, f, S[0], dim > 1 ? gradient : NULL, out[0]);                                               \
+            heat_faces(dim, f, S, dim > 1 ? gradient : NULL, out[0]);                                                  \
     }
 ROUND_FACES(1, 1)
 ROUND_FACES(1, 2)
@@ -372,8 +384,15 @@ static faces_function *const faces_of[2][3][3] = {
     {{faces_1_1, faces_1_2, faces_1_3}, {faces_2_2, faces_2_3, NULL}, {faces_3_3, NULL, NULL}},
     {{round_faces_1_1, round_faces_1_2, round_faces_1_3}, {round_faces_2_2, round_faces_2_3, NULL}}};
 
-/* Fluxes through faces first <= i < last, into the lines c->flux from 0 on: momentum, then work; or heat. */
-static void find_fluxes(struct gas *g, enum diffusing what, double *const *S, int first, int last) {
+/* Sets keep[BATCH] to f->keep, or 1, but for the faces of flagged cells. */
+static const double *leave_flagged(const struct face_batch *f, const double *flag, double *keep) {
+    for (int i = 0; i < f->n; i++) keep[i] = flag[f->left[i]] + flag[f->right[i]] > 0 ? 0 : f->keep ? f->keep[i] : 1;
+    return keep;
+}
+
+/* Fluxes of momentum or heat through faces first <= i < last, into the lines c->flux from 0 on; `work`: behind those of
+ * momentum that of energy. */
+static void find_fluxes(struct gas *g, enum diffusing what, bool work, double *const *S, int first, int last) {
     struct cells *c = g->cells;
     const struct cells_diffuser *d = c->diffuser;
     const struct polyhedra_faces *m = &c->polyhedra->face;
@@ -391,18 +410,15 @@ static void find_fluxes(struct gas *g, enum diffusing what, double *const *S, in
         }
         for (int i = 0; i < 3; i++) f.face[i] = d->face[i] + at;
         for (int v = 0; v <= g->components; v++) out[v] = c->flux[v] + at;
-        const bool heat = what == HEAT && d->keep, flagged = g->limits.flags.blocks[0];
-        for (int i = 0; i < f.n && (flagged || heat); i++)
-            keep[i] = flagged && g->limits.flags.cells[0][f.left[i]] + g->limits.flags.cells[0][f.right[i]] > 0 ? 0
-                      : heat ? d->keep[at + i]
-                             : 1;
-        if (flagged || heat) f.keep = keep;
+        if (what == HEAT && d->keep) f.keep = d->keep + at;
+        if (g->limits.flags.blocks[0]) f.keep = leave_flagged(&f, g->limits.flags.cells[0], keep);
         f.swirl = g->models.swirl;
         if (f.swirl) f.lever = cells_round_levers(g) + at;
         if (d->turn && what == VISCOUS)
             cells_turn_faces(g, d->turn, at, f.n, S[c->polyhedra->round.radial], &f.around, &f.hoop);
         faces_of[d->turn != NULL][g->dim - 1][g->components - g->dim](
             what, &f, S, what == HEAT && !d->skewed ? NULL : (double *const *)d->gradient, out);
+        if (work) work_faces(g->components, &f, S, out);
     }
 }
 
@@ -422,8 +438,8 @@ static void seen_lines(const struct gas *g, enum diffusing what, int from, int t
     if (d->turn && what == VISCOUS) cells_turn_see(g, d->turn, from, to, line);
 }
 
-/* All fluxes of S: first those that need no ghosts, while the ghosts are under way. */
-static void flow(struct gas *g, enum diffusing what, double weight) {
+/* All fluxes of S, and the work if it is wanted: first those that need no ghosts, while the ghosts are under way. */
+static void flow(struct gas *g, enum diffusing what, bool work, double weight) {
     struct cells_diffuser *d = g->cells->diffuser;
     struct polyhedra *m = g->cells->polyhedra;
     const int own_mirrors = m->face.n - m->face.ninternal;
@@ -439,27 +455,28 @@ static void flow(struct gas *g, enum diffusing what, double weight) {
     seen_lines(g, what, 0, m->nown, S);
     seen_lines(g, what, m->ncells, m->ncells + own_mirrors, S);
     find_gradients(g, what, S, 0, m->ninner);
-    find_fluxes(g, what, S, 0, m->face.nlocal);
+    find_fluxes(g, what, work, S, 0, m->face.nlocal);
     polyhedra_fill_finish(m);
     cells_mirror_sums(g, &sums, own_mirrors, m->mirror.n);
     seen_lines(g, what, m->nown, m->ncells, S);
     seen_lines(g, what, m->ncells + own_mirrors, m->size, S);
     find_gradients(g, what, S, m->ninner, m->nnear);
     if (what == VISCOUS && g->dim > 1) cells_mirror_gradients(g, 0, own_mirrors, d->wall.drag, d->gradient);
-    find_fluxes(g, what, S, m->face.nlocal, m->face.n);
+    find_fluxes(g, what, work, S, m->face.nlocal, m->face.n);
     if (what == HEAT && d->lifts) drop_friction(g, weight);
 }
 
 /* q = q_0 + per M/rho, then S of the next stage, which takes the place of the sum before the last. */
 KERNEL static void sum_row(int n, const double *restrict c, double per, const double *restrict M,
-                           const double *restrict rho, const double *restrict start, const double *restrict last,
-                           double *restrict next) {
+                           const double *restrict rho, const double *restrict start, const double *restrict friction,
+                           const double *restrict last, double *restrict next) {
     if (c[1] == 0)
         for (int i = 0; i < n; i++) next[i] = 0; /* it may hold anything */
     for (int i = 0; i < n; i++) {
         const double q = start[i] + per * M[i] / rho[i];
         next[i] = (c[0] * last[i] + c[1] * next[i]) + (c[2] * q + c[3] * start[i]);
     }
+    for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * friction[i];
 }
 
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -468,15 +485,15 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
     const int nown = g->cells->polyhedra->nown;
     const double per = what == VISCOUS ? 1 : temperature_of(&g->models.material, 1), *rho = Y0->block[0];
     double M[BATCH];
-    flow(g, what, weight);
+    flow(g, what, false, weight);
     for (int at = 0; at < nown; at += BATCH) {
         const int n = nown - at < BATCH ? nown - at : BATCH;
         for (int v = 0; v < lines_of(g, what); v++) {
             cells_residuals(g->cells, at, n, g->cells->flux[v], M);
             if (d->turn && what == VISCOUS) cells_turn_push(g, d->turn, v, at, n, M);
             double *next = d->sum[1 - g->diffusion.last][v] + at;
-            sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[g->diffusion.last][v] + at, next);
-            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * g->diffusion.friction[0][at + i];
+            sum_row(n, c, per, M, rho + at, d->start[v] + at, g->diffusion.friction[0] + at,
+                    d->sum[g->diffusion.last][v] + at, next);
         }
     }
     g->diffusion.last = 1 - g->diffusion.last;
@@ -489,7 +506,7 @@ long cells_diffusion_end(struct gas *g, enum diffusing what, const struct state 
     const double *from = Y0->block[0];
     double M[MAX_DIM + 1][BATCH];
     long count = 0;
-    flow(g, what, weight);
+    flow(g, what, what == VISCOUS, weight);
     if (what == VISCOUS && d->slides) cells_slide(g, weight, d->wall.stays, d->sum[g->diffusion.last]);
     if (g->books.tally) cells_tally_diffusion(g, what, dt);
     for (int at = 0; at < m->nown; at += BATCH) {

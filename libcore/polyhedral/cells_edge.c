@@ -5,59 +5,37 @@
 #include "libcore/gas/patch.h"
 #include "libcore/polyhedral/cells_diffuser.h"
 
-struct frame { /* of one face: the normal, then the tangents */
-    double axis[MAX_DIM][MAX_DIM];
-};
-
-static struct frame frame_of(int dim, double *const normal[3], double *const tangent[2][3], int i) {
-    struct frame f = {{{0}}};
-    for (int k = 0; k < dim; k++) {
-        f.axis[0][k] = normal[k][i];
-        for (int t = 1; t < dim; t++) f.axis[t][k] = tangent[t - 1][k][i];
-    }
-    return f;
+/* The frames of n faces or mirrors from `from` on: the normals, then the tangents; of faces at[n] if that is not NULL.
+ */
+static void find_frames(int dim, int n, const int *at, int from, double *const normal[3], double *const tangent[2][3],
+                        double (*axis)[MAX_DIM][BATCH]) {
+    for (int t = 0; t < dim; t++)
+        for (int k = 0; k < dim; k++) {
+            const double *line = t ? tangent[t - 1][k] : normal[k];
+            for (int i = 0; i < n; i++) axis[t][k][i] = line[at ? at[i] : from + i];
+        }
 }
 
-/* Turns vector i of a batch from the axes of the mesh into the frame of a face, or back. */
-static void into_frame(int dim, const struct frame *f, double (*q)[BATCH], int i) {
-    double m[MAX_DIM];
-    for (int k = 0; k < dim; k++) m[k] = q[k][i];
-    for (int t = 0; t < dim; t++) {
-        double sum = 0;
-        for (int k = 0; k < dim; k++) sum += f->axis[t][k] * m[k];
-        q[t][i] = sum;
-    }
-}
-
-static void out_of_frame(int dim, const struct frame *f, double (*q)[BATCH], int i) {
-    double m[MAX_DIM];
-    for (int t = 0; t < dim; t++) m[t] = q[t][i];
-    for (int k = 0; k < dim; k++) {
-        double sum = 0;
-        for (int t = 0; t < dim; t++) sum += f->axis[t][k] * m[t];
-        q[k][i] = sum;
-    }
+static void mirror_frames(const struct gas *g, int from, int n, double (*axis)[MAX_DIM][BATCH]) {
+    const struct polyhedra_mirrors *m = &g->cells->polyhedra->mirror;
+    find_frames(g->dim, n, NULL, from, m->normal, m->tangent, axis);
 }
 
 static void mirror_run(const struct gas *g, int from, int n, double *const U[MAX_VAR]) {
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
-    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH];
+    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH], outflow[BATCH] = {0}, axis[MAX_DIM][MAX_DIM][BATCH];
     struct patch_line line = {.n = n, .face = m->mirror.place + from, .outflow = outflow, .layer = 1};
     const bool reflects = patch_is_wall(r);
-    for (int i = 0; i < n; i++) {
-        struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
-        outflow[i] = 0;
-        for (int v = 0; v < g->nvar; v++) inner[v][i] = U[v][m->mirror.cell[from + i]];
-        for (int k = 0; k < g->dim; k++) outflow[i] += f.axis[0][k] * inner[k + 1][i] / inner[0][i];
-        if (reflects) into_frame(g->dim, &f, inner + 1, i);
-    }
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < n; i++) inner[v][i] = U[v][m->mirror.cell[from + i]];
+    for (int k = 0; k < g->dim; k++)
+        for (int i = 0; i < n; i++) outflow[i] += m->mirror.normal[k][from + i] * inner[k + 1][i] / inner[0][i];
+    if (reflects) mirror_frames(g, from, n, axis);
+    if (reflects) cells_turn_vectors(n, g->dim, false, axis, inner + 1);
     patch_ghosts(g, r, &line, inner, ghost);
-    for (int i = 0; i < n; i++) {
-        struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
-        if (reflects) out_of_frame(g->dim, &f, ghost + 1, i);
-        for (int v = 0; v < g->nvar; v++) U[v][m->ncells + from + i] = ghost[v][i];
-    }
+    if (reflects) cells_turn_vectors(n, g->dim, true, axis, ghost + 1);
+    for (int v = 0; v < g->nvar; v++) memcpy(U[v] + m->ncells + from, ghost[v], (size_t)n * sizeof(double));
 }
 
 /* The gas on a wall that holds it has the wall's velocity w: with 2 w - u beyond it polynomials keep the slope that
@@ -100,21 +78,15 @@ void cells_beyond(const struct gas *g, int patch, int n, const int *face, const 
                   double (*ghost)[BATCH]) {
     const struct polyhedra_faces *faces = &g->cells->polyhedra->face;
     const struct patch_rules *r = &g->patches.rules[patch];
-    double inner[MAX_VAR][BATCH], outflow[BATCH];
+    double inner[MAX_VAR][BATCH], outflow[BATCH], axis[MAX_DIM][MAX_DIM][BATCH];
     struct patch_line line = {.n = n, .face = place, .outflow = outflow};
     const bool reflects = patch_is_wall(r);
-    for (int i = 0; i < n; i++) {
-        for (int v = 0; v < g->nvar; v++) inner[v][i] = q[v][i];
-        outflow[i] = q[1][i] / q[0][i];
-        if (reflects) continue;
-        struct frame f = frame_of(g->dim, faces->normal, faces->tangent, face[i]);
-        out_of_frame(g->dim, &f, inner + 1, i);
-    }
+    for (int v = 0; v < g->nvar; v++) memcpy(inner[v], q[v], (size_t)n * sizeof(double));
+    for (int i = 0; i < n; i++) outflow[i] = q[1][i] / q[0][i];
+    if (!reflects) find_frames(g->dim, n, face, 0, faces->normal, faces->tangent, axis);
+    if (!reflects) cells_turn_vectors(n, g->dim, true, axis, inner + 1);
     patch_ghosts(g, r, &line, inner, ghost);
-    for (int i = 0; i < n && !reflects; i++) {
-        struct frame f = frame_of(g->dim, faces->normal, faces->tangent, face[i]);
-        into_frame(g->dim, &f, ghost + 1, i);
-    }
+    if (!reflects) cells_turn_vectors(n, g->dim, false, axis, ghost + 1);
 }
 
 /* How many times component k of the velocity of a cell is at the face of a mirror what it is in the cell: swirl of a
@@ -210,32 +182,28 @@ static void mirror_sums_run(const struct gas *g, const struct mirror_sums *s, in
     const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
     const int lines = what == VISCOUS ? g->components : 1;
     const bool turn = patch_is_wall(r) && what == VISCOUS;
-    double inner[MAX_DIM][BATCH], beyond[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
+    double inner[MAX_DIM][BATCH], beyond[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH], axis[MAX_DIM][MAX_DIM][BATCH];
     const struct sum_line line = {
         n, lines, what == VISCOUS ? 0 : -1, m->mirror.place + from, s->weight, share + from, inner, beyond, ghost};
-    for (int i = 0; i < n; i++) {
-        const struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
-        for (int c = 0; c < lines; c++) {
-            inner[c][i] = S[c][m->mirror.cell[from + i]];
-            if (what == VISCOUS) inner[c][i] *= turn_out(g, c, from + i);
-            beyond[c][i] = start[c][m->ncells + from + i];
-        }
-        if (!turn) continue;
-        into_frame(g->dim, &f, inner, i);
-        into_frame(g->dim, &f, beyond, i);
+    for (int c = 0; c < lines; c++) {
+        for (int i = 0; i < n; i++) inner[c][i] = S[c][m->mirror.cell[from + i]];
+        for (int i = 0; i < n && what == VISCOUS && c > 0 && c == g->models.swirl; i++)
+            inner[c][i] *= turn_out(g, c, from + i);
+        memcpy(beyond[c], start[c] + m->ncells + from, (size_t)n * sizeof(double));
+    }
+    if (turn) {
+        mirror_frames(g, from, n, axis);
+        cells_turn_vectors(n, g->dim, false, axis, inner);
+        cells_turn_vectors(n, g->dim, false, axis, beyond);
     }
     sums_beyond(r, what, &line);
-    for (int i = 0; i < n; i++) {
-        const struct frame f = frame_of(g->dim, m->mirror.normal, m->mirror.tangent, from + i);
-        if (turn) out_of_frame(g->dim, &f, ghost, i);
-    }
+    if (turn) cells_turn_vectors(n, g->dim, true, axis, ghost);
     carry_sums(r, what, &line);
     if (what == HEAT && wall_conducts(r))
         for (int i = 0; i < n; i++) ghost[0][i] = inner[0][i] + share[from + i] * (ghost[0][i] - inner[0][i]);
     if (what == HEAT && patch_is_wall(r))
         for (int i = 0; i < n; i++) ghost[0][i] += s->weight * s->lift[from + i];
-    for (int i = 0; i < n; i++)
-        for (int c = 0; c < lines; c++) S[c][m->ncells + from + i] = ghost[c][i];
+    for (int c = 0; c < lines; c++) memcpy(S[c] + m->ncells + from, ghost[c], (size_t)n * sizeof(double));
 }
 
 void cells_mirror_sums(const struct gas *g, const struct mirror_sums *s, int from, int to) {
@@ -254,31 +222,24 @@ static void mirror_gradients_run(const struct gas *g, int from, int n, const dou
     const struct polyhedra *m = g->cells->polyhedra;
     const struct patch_rules *r = &g->patches.rules[m->mirror.patch[from]];
     const int dim = g->dim, lines = g->components;
-    double in[MAX_DIM][MAX_DIM][BATCH], along[MAX_DIM][MAX_DIM][BATCH], ghost[MAX_DIM][BATCH];
-    for (int i = 0; i < n; i++) {
-        const struct frame f = frame_of(dim, m->mirror.normal, m->mirror.tangent, from + i);
-        for (int k = 0; k < dim; k++) {
-            for (int c = 0; c < dim; c++) in[k][c][i] = gradient[k * lines + c][m->mirror.cell[from + i]];
-            into_frame(dim, &f, in[k], i);
-        }
-        for (int t = 0; t < dim; t++)
-            for (int c = 0; c < dim; c++) {
-                along[t][c][i] = 0;
-                for (int k = 0; k < dim; k++) along[t][c][i] += f.axis[t][k] * in[k][c][i];
-            }
+    double in[MAX_DIM][MAX_DIM][BATCH], along[MAX_DIM][BATCH], axis[MAX_DIM][MAX_DIM][BATCH];
+    mirror_frames(g, from, n, axis);
+    for (int k = 0; k < dim; k++) {
+        for (int c = 0; c < dim; c++)
+            for (int i = 0; i < n; i++) in[c][k][i] = gradient[k * lines + c][m->mirror.cell[from + i]];
+        for (int c = 0; c < dim; c++) memcpy(along[c], in[c][k], (size_t)n * sizeof(double));
+        cells_turn_vectors(n, dim, false, axis, along);
+        for (int c = 0; c < dim; c++) memcpy(in[c][k], along[c], (size_t)n * sizeof(double));
     }
+    for (int c = 0; c < dim; c++) cells_turn_vectors(n, dim, false, axis, in[c]);
     for (int t = 1; t < dim && patch_is_wall(r); t++)
-        for (int i = 0; i < n; i++) along[t][0][i] *= share[from + i] - 1;
-    for (int i = 0; i < n; i++) {
-        const struct frame f = frame_of(dim, m->mirror.normal, m->mirror.tangent, from + i);
-        for (int k = 0; k < dim; k++) {
-            for (int c = 0; c < dim; c++) {
-                ghost[c][i] = 0;
-                for (int t = 0; t < dim; t++) ghost[c][i] += f.axis[t][k] * along[t][c][i];
-            }
-            out_of_frame(dim, &f, ghost, i);
-            for (int c = 0; c < dim; c++) gradient[k * lines + c][m->ncells + from + i] = ghost[c][i];
-        }
+        for (int i = 0; i < n; i++) in[0][t][i] *= share[from + i] - 1;
+    for (int c = 0; c < dim; c++) cells_turn_vectors(n, dim, true, axis, in[c]);
+    for (int k = 0; k < dim; k++) {
+        for (int c = 0; c < dim; c++) memcpy(along[c], in[c][k], (size_t)n * sizeof(double));
+        cells_turn_vectors(n, dim, true, axis, along);
+        for (int c = 0; c < dim; c++)
+            memcpy(gradient[k * lines + c] + m->ncells + from, along[c], (size_t)n * sizeof(double));
     }
 }
 

@@ -120,6 +120,23 @@ status cells_gradient_weights(const struct gas *g, struct entries *r) {
     return fill_weights(g, r);
 }
 
+/* The gradients of a line in a batch of lanes whose lists have `count` entries. */
+ALWAYS_INLINE void lane_gradients(int dim, int count, const int *restrict cell, const double *restrict w, int first,
+                                  const double *restrict q, double *const *gradient, int step) {
+    double change[6][LANES];
+    for (int j = 0; j < count; j++)
+        for (int l = 0; l < LANES; l++) change[j][l] = q[cell[j * LANES + l]] - q[first + l];
+    for (int k = 0; k < dim; k++) {
+        double *restrict out = gradient[k * step] + first;
+        for (int l = 0; l < LANES; l++) {
+            double sum = 0;
+            UNROLL
+            for (int j = 0; j < count; j++) sum = fma(w[(j * dim + k) * LANES + l], change[j][l], sum);
+            out[l] = sum;
+        }
+    }
+}
+
 ALWAYS_INLINE void batch_gradients(int dim, int lines, const struct entries *r, int batch, double *const *q,
                                    double *const *gradient) {
     const long first = (long)batch * LANES;
@@ -139,10 +156,24 @@ ALWAYS_INLINE void batch_gradients(int dim, int lines, const struct entries *r, 
     }
 }
 
+/* Cells of triangles, quads and tetrahedra, and hexahedra, whose numbers of faces compilers may know, are done faster.
+ */
 #define GRADIENTS(dim)                                                                                                 \
     KERNEL static void gradients_##dim(int lines, const struct entries *r, int from, int to, double *const *q,         \
                                        double *const *gradient) {                                                      \
-        for (int b = from; b < to; b++) batch_gradients(dim, lines, r, b, q, gradient);                                \
+        for (int b = from; b < to; b++) {                                                                              \
+            const int first = b * LANES, count = r->start[b + 1] - r->start[b];                                        \
+            const int *cell = r->cell + (long)r->start[b] * LANES;                                                     \
+            const double *w = r->data + (long)r->start[b] * dim * LANES;                                               \
+            const bool known = count == 3 || count == 4 || count == 6;                                                 \
+            if (!known) batch_gradients(dim, lines, r, b, q, gradient);                                                \
+            for (int c = 0; c < lines && count == 3; c++)                                                              \
+                lane_gradients(dim, 3, cell, w, first, q[c], gradient + c, lines);                                     \
+            for (int c = 0; c < lines && count == 4; c++)                                                              \
+                lane_gradients(dim, 4, cell, w, first, q[c], gradient + c, lines);                                     \
+            for (int c = 0; c < lines && count == 6; c++)                                                              \
+                lane_gradients(dim, 6, cell, w, first, q[c], gradient + c, lines);                                     \
+        }                                                                                                              \
     }
 GRADIENTS(1)
 GRADIENTS(2)

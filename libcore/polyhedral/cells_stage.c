@@ -53,11 +53,10 @@ static void find_frames(const struct polyhedra *m, struct points *p) {
     if (m->dim == 3) cross_axes(p->n, p->axis);
 }
 
-/* Turns the momentum of n states q into the frames of their faces or, with the axes' entries exchanged, out of them;
- * its components beyond dim are the same in every frame. */
-KERNEL static void turn_momentum(int n, int dim, bool back, double (*restrict axis)[MAX_DIM][BATCH],
-                                 double (*restrict q)[BATCH]) {
-    double *restrict m0 = q[1], *restrict m1 = q[2], *restrict m2 = q[3];
+/* `back` exchanges the entries of the axes; components beyond dim are the same in every frame. */
+KERNEL static void turn_vectors(int n, int dim, bool back, double (*restrict axis)[MAX_DIM][BATCH],
+                                double (*restrict q)[BATCH]) {
+    double *restrict m0 = q[0], *restrict m1 = q[1], *restrict m2 = q[2];
     const double *restrict xx = axis[0][0], *restrict xy = back ? axis[1][0] : axis[0][1];
     const double *restrict xz = back ? axis[2][0] : axis[0][2], *restrict yx = back ? axis[0][1] : axis[1][0];
     const double *restrict yy = axis[1][1], *restrict yz = back ? axis[2][1] : axis[1][2];
@@ -79,11 +78,14 @@ KERNEL static void turn_momentum(int n, int dim, bool back, double (*restrict ax
             m2[i] = a * zx[i] + b * zy[i] + c * zz[i];
         }
 }
+void cells_turn_vectors(int n, int dim, bool back, double (*axis)[MAX_DIM][BATCH], double (*q)[BATCH]) {
+    turn_vectors(n, dim, back, axis, q);
+}
 static void into_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
-    turn_momentum(p->n, g->dim, false, p->axis, q);
+    turn_vectors(p->n, g->dim, false, p->axis, q + 1);
 }
 static void out_of_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
-    turn_momentum(p->n, g->dim, true, p->axis, q);
+    turn_vectors(p->n, g->dim, true, p->axis, q + 1);
 }
 
 /* F_n = u_n U + p (0, 1, u_n) */
@@ -398,6 +400,28 @@ static void limit_run(struct gas *g, int first, int last, const double *const *U
     if (p->n) limit_batch(g, U, p);
 }
 
+/* Is the flux through an inner face not wanted, as a bed keeps the cells on both sides as they are? */
+static bool is_idle(const struct gas *g, const double *part, int face) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    return part[f->left[face]] >= BED_FROZEN && part[f->right[face]] >= BED_FROZEN;
+}
+
+/* Returns the end of the batch of inner faces, of one point each, that begins with `first`: before a run of IDLE faces
+ * that are not wanted. *from: its first face, behind those. */
+static int wanted_end(const struct gas *g, int first, int last, int *from) {
+    enum { IDLE = 16 }; /* fewer cost less than a shorter batch */
+    const double *part = g->step.hybrid && !g->limits.flags.blocks[0] ? g->dense->part[0] : NULL;
+    while (part && first < last && is_idle(g, part, first)) first++;
+    const int most = first + BATCH < last ? first + BATCH : last;
+    *from = first;
+    if (!part) return most;
+    for (int end = first, idle = 0; end < most; end++) {
+        idle = is_idle(g, part, end) ? idle + 1 : 0;
+        if (idle == IDLE) return end + 1 - IDLE;
+    }
+    return most;
+}
+
 /* Faces first <= i < last, in batches; those of flagged cells limited. */
 static void face_fluxes(struct gas *g, int first, int last, const double *const *U) {
     const struct cells *c = g->cells;
@@ -406,10 +430,11 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
     for (int end; first < last; first = end) {
         const int patch = first < f->ninternal ? -1 : f->patch[first - f->ninternal];
         if (patch < 0 && c->polyhedra->point.n == f->n)
-            end = first + BATCH < last ? first + BATCH : last;
+            end = wanted_end(g, first, last, &first);
         else
             for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
                 if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
+        if (first == end) continue;
         batch_fluxes(g, first, end, U, &p);
         if (g->limits.flags.blocks[0]) limit_run(g, first, end, U, &p);
         if (g->patches.fed && patch >= 0 && patch_feeds(&g->patches.rules[patch])) feed(g, first, end, U);
@@ -417,22 +442,21 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
 }
 
 /* The sides that a cell lacks beside others of its chunk count 0, which changes no bit, as no sum is ever -0. */
-KERNEL static void sum_sides(int rows, int n, const int (*restrict side)[BATCH], const double *restrict flux,
-                             const double *restrict inverse, double *restrict out) {
+KERNEL static void sum_sides(int rows, int n, const int (*restrict side)[BATCH], const int (*restrict number)[BATCH],
+                             const double *restrict flux, const double *restrict inverse, double *restrict out) {
     double sum[BATCH];
     for (int i = 0; i < BATCH; i++) sum[i] = 0;
     for (int j = 0; j < rows; j++)
         for (int i = 0; i < BATCH; i++) {
-            const int face = side[j][i];
-            const double q = flux[face < 0 ? ~face : face];
-            sum[i] += face < 0 ? q : -q;
+            const double q = flux[number[j][i]];
+            sum[i] += side[j][i] < 0 ? q : -q;
         }
     for (int i = 0; i < n; i++) out[i] = sum[i] * inverse[i];
 }
 void cells_residuals(const struct cells *c, int from, int n, const double *flux, double *residual) {
     const int *start = c->sides.start + from / BATCH;
-    sum_sides(start[1] - start[0], n, (const int(*)[BATCH])c->sides.face + start[0], flux, c->inverse_volume + from,
-              residual);
+    sum_sides(start[1] - start[0], n, (const int(*)[BATCH])c->sides.face + start[0],
+              (const int(*)[BATCH])c->sides.number + start[0], flux, c->inverse_volume + from, residual);
 }
 
 struct stage { /* of cells_stage and cells_redo */

@@ -82,10 +82,12 @@ status cells_sides_make(const struct polyhedra *m, struct cells_sides *s) {
     }
     const long room = (long)s->start[chunks] * BATCH;
     TRY(allocate(&s->face, room, sizeof *s->face, "the faces of the cells"));
+    TRY(allocate(&s->number, room, sizeof *s->number, "the faces of the cells"));
     for (long i = 0; i < room; i++) s->face[i] = m->face.n;
     for (int i = 0; i < m->nown; i++)
         for (int j = 0; j < m->face_start[i + 1] - m->face_start[i]; j++)
             s->face[((long)s->start[i / BATCH] + j) * BATCH + i % BATCH] = m->face_of_cell[m->face_start[i] + j];
+    for (long i = 0; i < room; i++) s->number[i] = s->face[i] < 0 ? ~s->face[i] : s->face[i];
     return OK;
 }
 
@@ -119,4 +121,5 @@ void cells_sides_sum(const struct cells *c, int from, const double (*weight)[BAT
 void cells_sides_free(struct cells_sides *s) {
     free(s->start);
     free(s->face);
+    free(s->number);
 }
