@@ -19,6 +19,8 @@ status tiles_diffuser_make(struct gas *g) {
     for (int i = 0; i < 2; i++) g->diffusion.sum[i] = d->sum[i];
     g->diffusion.wide = g->size;
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
+    for (int i = 0; g->dim > 2 && i < 2; i++)
+        TRY(allocate(&d->plane[i], g->forest->stride[2] / g->forest->stride[1], sizeof *d->plane[i], "diffusion"));
     TRY(tiles_turn_make(g));
     return g->diffusion.terms.cross ? blocks_make(g->forest, g->dim + 1, &d->cross) : OK;
 }
@@ -29,6 +31,7 @@ void tiles_diffuser_free(struct gas *g) {
     double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,
                          d->light,  d->wall,   d->keep,  d->cross,    d->turn};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) blocks_free(g->forest, blocks[i]);
+    for (int i = 0; i < 2; i++) free(d->plane[i]);
     free(d);
 }
 
