@@ -112,15 +112,17 @@ ALWAYS_INLINE void cell_gradients(int n, int dim, int axis, const struct forest 
 ALWAYS_INLINE void row_gradients(const struct sweep *s, int dim, int axis, int j, int k, const double *turn,
                                  double *out) {
     const struct forest *f = s->g->forest;
-    const int *n = f->tile[s->tile].n;
-    const double *S = s->S, *ghosts = s->g->tiles->diffuser->gradient[s->tile];
+    const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = SHEET_LINES(dim);
+    const double *S = s->S, *sheet = s->g->tiles->diffuser->sheet[s->tile];
     const long at = f->first + j * f->stride[1] + k * f->stride[2];
-    const int beyond = j < 0 || j >= n[1] ? 1 : k < 0 || k >= n[2] ? 2 : 0, vectors = padded(n[0]);
+    const int side = j < 0 ? 2 : j >= n[1] ? 3 : k < 0 ? 4 : k >= n[2] ? 5 : 0;
     double *row = out + EDGE;
-    if (beyond) {
+    if (side) {
+        const double *beyond = sheet + forest_sheet(f, 2 * dim + side, lines, 0) + (side < 4 ? k : j) * n[0];
         for (int line = 0; line < dim * dim; line++)
-            if (takes(beyond, dim, line))
-                memcpy(row + line * LINE, ghosts + line * f->size + at, (size_t)vectors * sizeof *row);
+            if (takes(side / 2, dim, line))
+                memcpy(row + line * LINE, beyond + sheet_line(side / 2, line / dim, line % dim) * f->sheet,
+                       (size_t)vectors * sizeof *row);
         return;
     }
     cell_gradients(vectors, dim, axis, f, S + at, row);
@@ -131,9 +133,10 @@ ALWAYS_INLINE void row_gradients(const struct sweep *s, int dim, int axis, int j
                        row + line * LINE);
     }
     for (int line = 0; line < dim * dim; line++) {
+        const double *beyond = sheet + sheet_line(0, line / dim, line % dim) * f->sheet + k * n[1] + j;
         if (!takes(0, dim, line)) continue;
-        row[line * LINE - 1] = ghosts[line * f->size + at - 1];
-        row[line * LINE + n[0]] = ghosts[line * f->size + at + n[0]];
+        row[line * LINE - 1] = beyond[forest_sheet(f, 2 * dim, lines, 0)];
+        row[line * LINE + n[0]] = beyond[forest_sheet(f, 2 * dim + 1, lines, 0)];
     }
 }
 
