@@ -4,13 +4,21 @@
 
 #include <stdlib.h>
 
+static status sheets_make(const struct forest *f, double ***out) {
+    TRY(allocate(out, f->ntiles, sizeof(double *), "tiles"));
+    for (int t = 0; t < f->ntiles && f->dim > 1; t++)
+        TRY(allocate(&(*out)[t], 4 * f->dim * SHEET_LINES(f->dim) * f->sheet + SLACK, sizeof(double),
+                     "sides of tiles"));
+    return OK;
+}
+
 status tiles_diffuser_make(struct gas *g) {
     struct diffuser *d;
     TRY(allocate(&d, 1, sizeof *d, "diffusion"));
     g->tiles->diffuser = d;
     double ***blocks[] = {&d->sum[0], &d->sum[1], &d->start};
     for (int i = 0; i < 3; i++) TRY(blocks_make(g->forest, g->components, blocks[i]));
-    TRY(blocks_make(g->forest, g->dim * g->dim, &d->gradient));
+    TRY(sheets_make(g->forest, &d->sheet));
     TRY(blocks_make(g->forest, FACE_LINES * g->dim, &d->face));
     TRY(blocks_make(g->forest, g->dim, &d->keep));
     for (int t = 0; t < g->forest->ntiles && g->diffusion.terms.diagonal; t++)
@@ -19,6 +27,8 @@ status tiles_diffuser_make(struct gas *g) {
     for (int i = 0; i < 2; i++) g->diffusion.sum[i] = d->sum[i];
     g->diffusion.wide = g->size;
     TRY(blocks_make(g->forest, WALL_LINES, &d->wall));
+    for (int i = 0; g->dim > 2 && i < 2; i++)
+        TRY(allocate(&d->plane[i], g->forest->stride[2] / g->forest->stride[1], sizeof *d->plane[i], "diffusion"));
     TRY(tiles_turn_make(g));
     return g->diffusion.terms.cross ? blocks_make(g->forest, g->dim + 1, &d->cross) : OK;
 }
@@ -26,9 +36,10 @@ status tiles_diffuser_make(struct gas *g) {
 void tiles_diffuser_free(struct gas *g) {
     struct diffuser *d = g->tiles->diffuser;
     if (!d) return;
-    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->gradient, d->face,
-                         d->light,  d->wall,   d->keep,  d->cross,    d->turn};
+    double **blocks[] = {d->sum[0], d->sum[1], d->start, d->sheet, d->face,
+                         d->light,  d->wall,   d->keep,  d->cross, d->turn};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) blocks_free(g->forest, blocks[i]);
+    for (int i = 0; i < 2; i++) free(d->plane[i]);
     free(d);
 }
 

@@ -17,22 +17,35 @@ enum { DRAG, STAYS, WALL_LINES };
  * 0 on the axis; 1 there, 0 elsewhere; and the ratio of r of the cells below and above them, 1 on patches. */
 enum { LEAN, RING, ON_AXIS, NEARER, TURN_LINES };
 
-struct diffuser {      /* [ntiles] blocks of lines of [size]; a comment begins with their number */
-    double **sum[2];   /* components of u: S of the last stage, with one layer of ghosts, and S of the stage before */
-    double **start;    /* components of u: q_0, with one layer of ghosts */
-    double **gradient; /* dim * dim: at k dim + c half of dS_c/dx_k, in ghosts and along the sides only */
-    double **face;     /* FACE_LINES * dim: coefficients of the face below a cell */
-    double **cross;    /* dim: cross/h d rho/dx on the face below a cell, then 1: cross of cells; NULL: no such term */
-    double **light;    /* 1: 1/rho */
-    double **keep;     /* dim: if `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
-    double **wall;     /* WALL_LINES */
-    double **turn;     /* TURN_LINES; NULL: the mesh is none of a body of revolution */
-    bool plain;        /* `keep` counts */
+enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: place of its first cell, and length */
+/* The lines of the faces of a row: components of the stress and, in the end, its work behind them; HOOP is the stress
+ * around the axis of a body of revolution. */
+enum { HOOP = MAX_DIM + 1, STRESS_LINES };
+
+struct diffuser {    /* [ntiles] blocks of lines of [size]; a comment begins with their number */
+    double **sum[2]; /* components of u: S of the last stage, with one layer of ghosts, and S of the stage before */
+    double **start;  /* components of u: q_0, with one layer of ghosts */
+    double **sheet;  /* SHEET_LINES(dim) in sheets (mesh/lattice/forest.h): what sheet_line says */
+    double **face;   /* FACE_LINES * dim: coefficients of the face below a cell */
+    double **cross;  /* dim: cross/h d rho/dx on the face below a cell, then 1: cross of cells; NULL: no such term */
+    double **light;  /* 1: 1/rho */
+    double **keep;   /* dim: if `plain`, 0 on faces whose stress goes without tangential derivatives, else 1 */
+    double **wall;   /* WALL_LINES */
+    double **turn;   /* TURN_LINES; NULL: the mesh is none of a body of revolution */
+    bool plain;      /* `keep` counts */
+    double (*plane[2])[STRESS_LINES][LINE]; /* of the rows of a tile: faces along axis 2 below and above a plane */
 };
 
 /* Components of u, or T alone. */
 static inline int lines_of(const struct gas *g, enum diffusing what) {
     return what == VISCOUS ? g->components : 1;
+}
+
+/* Of the cells along a side across `axis` and of those beyond it: half of dS_c/dx_k for each other axis k, with c = k
+ * and with c = axis. Faces across `axis` take no other derivatives. */
+#define SHEET_LINES(dim) (2 * ((dim)-1))
+ALWAYS_INLINE int sheet_line(int axis, int k, int c) {
+    return 2 * (k - (k > axis)) + (c == axis);
 }
 
 /* Half of a central difference of the width h of cells; quarter: 1/(4 h) */
@@ -48,11 +61,6 @@ ALWAYS_INLINE double half_divergence(const double *q, long step, double quarter,
 static inline const double *turn_line(const struct gas *g, int tile, int line) {
     return g->tiles->diffuser->turn ? g->tiles->diffuser->turn[tile] + line * g->size : NULL;
 }
-
-enum { EDGE = 8, LINE = EDGE + BATCH + 8 }; /* of a row in scratch: place of its first cell, and length */
-/* The lines of the faces of a row: components of the stress and, in the end, its work behind them; HOOP is the stress
- * around the axis of a body of revolution. */
-enum { HOOP = MAX_DIM + 1, STRESS_LINES };
 
 /* S of the next stage, which takes the place of the sum before the last. c: factors of the last S, of the S before, of
  * the gain over rho, and of q_0. */

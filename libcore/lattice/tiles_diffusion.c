@@ -76,38 +76,67 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
         }
 }
 
-ALWAYS_INLINE void gradient_row(int n, long step, double quarter, const double *restrict q, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = half_derivative(q + i, step, quarter);
-}
-
 ALWAYS_INLINE void divergence_row(int n, long step, double quarter, const double *restrict q,
                                   const double *restrict lean, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = half_divergence(q + i, step, quarter, lean[i]);
 }
 
-/* The gradients of a row of cells, or in a row of ghosts the derivatives along the side. That of the velocity along the
- * radius is its divergence in the body of revolution, as the stress along the axis wants. */
-ALWAYS_INLINE void row_gradients(const struct sweep *s, int dim, int j, int k, const double *turn, double *out) {
-    const struct forest *f = s->g->forest;
-    const int *n = f->tile[s->tile].n;
-    const double *S = s->S, *ghosts = s->g->tiles->diffuser->gradient[s->tile];
-    const long at = f->first + j * f->stride[1] + k * f->stride[2];
-    const int beyond = j < 0 || j >= n[1] ? 1 : k < 0 || k >= n[2] ? 2 : 0, vectors = padded(n[0]);
-    for (int line = 0; line < dim * dim; line++) {
-        const int along = line / dim;
-        const double *ghost = ghosts + line * f->size + at;
-        double *row = out + line * LINE + EDGE;
-        if (beyond) {
-            memcpy(row, ghost, (size_t)vectors * sizeof *row);
-        } else {
-            const double *q = S + line % dim * f->size + at;
-            if (turn && line == f->radial * (dim + 1))
-                divergence_row(vectors, f->stride[along], 0.25 / f->width[along], q, turn + at, row);
-            else
-                gradient_row(vectors, f->stride[along], 0.25 / f->width[along], q, row);
-            row[-1] = ghost[-1];
-            row[n[0]] = ghost[n[0]];
+enum { EVERY_AXIS = -1 };
+
+/* Does the stress on faces across an axis take line k dim + c, the derivative of component c along axis k? */
+ALWAYS_INLINE bool takes(int axis, int dim, int line) {
+    const int along = line / dim, c = line % dim;
+    return axis == EVERY_AXIS || (along != axis && (c == along || c == axis));
+}
+
+/* The gradients of n cells, as far as faces across an axis take them. */
+ALWAYS_INLINE void cell_gradients(int n, int dim, int axis, const struct forest *f, const double *S, double *out) {
+    for (int c = 0; c < dim; c++) {
+        const double *restrict q = S + c * f->size;
+        double *restrict to = out + c * LINE;
+        const double quarter[] = {0.25 / f->width[0], 0.25 / f->width[1], 0.25 / f->width[2]};
+        const long second = f->stride[1], third = f->stride[2];
+        EACH_ALONE
+        for (int i = 0; i < n; i++) {
+            if (takes(axis, dim, c)) to[i] = half_derivative(q + i, 1, quarter[0]);
+            if (dim > 1 && takes(axis, dim, dim + c)) to[dim * LINE + i] = half_derivative(q + i, second, quarter[1]);
+            if (dim > 2 && takes(axis, dim, 2 * dim + c))
+                to[2 * dim * LINE + i] = half_derivative(q + i, third, quarter[2]);
         }
+    }
+}
+
+/* The gradients of a row of cells, or in a row of ghosts the derivatives along the side, as far as faces across an axis
+ * take them. That of the velocity along the radius is its divergence in the body of revolution, as the stress along the
+ * axis wants. */
+ALWAYS_INLINE void row_gradients(const struct sweep *s, int dim, int axis, int j, int k, const double *turn,
+                                 double *out) {
+    const struct forest *f = s->g->forest;
+    const int *n = f->tile[s->tile].n, vectors = padded(n[0]), lines = SHEET_LINES(dim);
+    const double *S = s->S, *sheet = s->g->tiles->diffuser->sheet[s->tile];
+    const long at = f->first + j * f->stride[1] + k * f->stride[2];
+    const int side = j < 0 ? 2 : j >= n[1] ? 3 : k < 0 ? 4 : k >= n[2] ? 5 : 0;
+    double *row = out + EDGE;
+    if (side) {
+        const double *beyond = sheet + forest_sheet(f, 2 * dim + side, lines, 0) + (side < 4 ? k : j) * n[0];
+        for (int line = 0; line < dim * dim; line++)
+            if (takes(side / 2, dim, line))
+                memcpy(row + line * LINE, beyond + sheet_line(side / 2, line / dim, line % dim) * f->sheet,
+                       (size_t)vectors * sizeof *row);
+        return;
+    }
+    cell_gradients(vectors, dim, axis, f, S + at, row);
+    if (axis != EVERY_AXIS) return;
+    if (turn) {
+        const int radial = f->radial, line = radial * (dim + 1);
+        divergence_row(vectors, f->stride[radial], 0.25 / f->width[radial], S + radial * f->size + at, turn + at,
+                       row + line * LINE);
+    }
+    for (int line = 0; line < dim * dim; line++) {
+        const double *beyond = sheet + sheet_line(0, line / dim, line % dim) * f->sheet + k * n[1] + j;
+        if (!takes(0, dim, line)) continue;
+        row[line * LINE - 1] = beyond[forest_sheet(f, 2 * dim, lines, 0)];
+        row[line * LINE + n[0]] = beyond[forest_sheet(f, 2 * dim + 1, lines, 0)];
     }
 }
 
@@ -137,8 +166,10 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, bool ends, long size, struct st
     double(*out)[LINE] = r.out;
     const int axis = r.axis, n = r.n;
     const long step = r.step;
+    EACH_ALONE
     for (int i = 0; i < n; i++) {
         double side = 0;
+        UNROLL
         for (int t = 0; t < dim; t++)
             if (t != axis) side += low[(t * dim + t) * LINE + i] + high[(t * dim + t) * LINE + i];
         side *= keep ? h * keep[i] : h;
@@ -146,6 +177,7 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, bool ends, long size, struct st
         double stress = dim > 1 ? a * ((u[i] - u[i - step]) + side) - b * (side + side) : a * (u[i] - u[i - step]);
         double work = stress * (0.5 * (u[i - step] + u[i]));
         out[axis][i] = stress;
+        UNROLL
         for (int t = 0; t < dim; t++) {
             const double *v = S + t * size + i;
             if (t == axis) continue;
@@ -155,6 +187,7 @@ ALWAYS_INLINE void viscous_faces(int dim, int m, bool ends, long size, struct st
             work += shear * (0.5 * (v[-step] + v[0]));
             out[t][i] = shear;
         }
+        UNROLL
         for (int t = dim; t < m; t++) {
             const double *v = S + t * size + i, shear = b * (v[0] - v[-step]);
             work += shear * (0.5 * (v[-step] + v[0]));
@@ -253,15 +286,29 @@ static void note_sides(const struct sweep *s, int j, int k, const double *x, con
     if (g->dim > 2 && k == n[2] - 1) tiles_tally_stress(g, s->tile, 5, at, n[0], per, z1, LINE);
 }
 
+/* The faces above a row of cells along axis 2, or below the tile with k = -1. here: gradients of the row, if it is one
+ * of cells. */
+ALWAYS_INLINE void faces_above(const struct sweep *s, int m, bool ends, bool plain, int j, int k, const double *here,
+                               double (*out)[LINE]) {
+    const struct forest *f = s->g->forest;
+    const long top = f->first + j * f->stride[1] + (k + 1) * f->stride[2];
+    _Alignas(64) double low[MAX_DIM * MAX_DIM * LINE], high[MAX_DIM * MAX_DIM * LINE];
+    if (k < 0) row_gradients(s, 3, 2, j, k, NULL, low);
+    row_gradients(s, 3, 2, j, k + 1, NULL, high);
+    viscous_faces(3, m, ends, f->size, stress_row(s, 2, plain, top, (k < 0 ? low : here) + EDGE, high + EDGE, out));
+}
+
 /* The gradients of a row, and the faces below it along axis 1, serve two rows each, so two buffers take odd and even
- * rows in turn. */
+ * rows in turn; faces along axis 2 serve two planes, and two buffers take odd and even planes. */
 ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, bool plain, bool round) {
     const struct forest *f = s->g->forest;
     const int *n = f->tile[s->tile].n;
     const long size = f->size, *stride = f->stride;
-    _Alignas(64) double x[STRESS_LINES][LINE] = {{0}}, y[2][STRESS_LINES][LINE], z[2][STRESS_LINES][LINE], M[4][BATCH];
-    _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE], outer[2][MAX_DIM * MAX_DIM * LINE];
+    _Alignas(64) double x[STRESS_LINES][LINE] = {{0}}, y[2][STRESS_LINES][LINE], M[4][BATCH];
+    _Alignas(64) double gradient[2][MAX_DIM * MAX_DIM * LINE];
     const double *turn = round ? turn_line(s->g, s->tile, 0) : NULL;
+    double(*z[2])[STRESS_LINES][LINE] = {s->g->tiles->diffuser->plane[0], s->g->tiles->diffuser->plane[1]};
+    for (int j = 0; dim > 2 && j < n[1]; j++) faces_above(s, m, ends, plain, j, -1, NULL, z[0][j]);
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
             const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
@@ -270,21 +317,16 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
             if (j >= 0)
                 faces_of(dim, m, ends, s, turn, size, stress_row(s, 0, plain, at, here + EDGE - 1, here + EDGE, x));
             else
-                row_gradients(s, dim, j, k, turn, here);
+                row_gradients(s, dim, EVERY_AXIS, j, k, turn, here);
             if (dim > 1) {
-                row_gradients(s, dim, j + 1, k, turn, next);
+                row_gradients(s, dim, EVERY_AXIS, j + 1, k, turn, next);
                 faces_of(dim, m, ends, s, turn, size, stress_row(s, 1, plain, above, here + EDGE, next + EDGE, high));
             }
             if (j < 0) continue;
-            for (int i = 0; dim > 2 && i < 2; i++) {
-                const long top = at + i * stride[2];
-                row_gradients(s, dim, j, k + 2 * i - 1, turn, outer[i]);
-                viscous_faces(
-                    dim, m, ends, size,
-                    stress_row(s, 2, plain, top, (i ? here : outer[0]) + EDGE, (i ? outer[1] : here) + EDGE, z[i]));
-            }
-            if (ends && s->g->books.tally) note_sides(s, j, k, x[0], low[0], high[0], z[0][0], z[1][0]);
-            take_gains(s, dim, m + ends, turn, at, &(struct row_lines){x, {low, high}, {z[0], z[1]}}, ends ? M : NULL);
+            double(*bottom)[LINE] = dim > 2 ? z[k & 1][j] : NULL, (*top)[LINE] = dim > 2 ? z[(k + 1) & 1][j] : NULL;
+            if (dim > 2) faces_above(s, m, ends, plain, j, k, here, top);
+            if (ends && s->g->books.tally) note_sides(s, j, k, x[0], low[0], high[0], bottom[0], top[0]);
+            take_gains(s, dim, m + ends, turn, at, &(struct row_lines){x, {low, high}, {bottom, top}}, ends ? M : NULL);
             if (ends) end_row(s, at, n[0], M);
         }
 }

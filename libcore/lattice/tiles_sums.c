@@ -97,58 +97,73 @@ void tiles_sums_beyond(struct gas *g, enum diffusing what, double weight, int ti
     sum_edge(g, tile, &e, &(struct fill){what, weight});
 }
 
-/* Ghosts of the derivatives along a patch: they follow its rule for velocity. */
-static void gradient_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
-    const long size = g->forest->size;
-    double inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH], share[1][BATCH];
-    struct sum_line line = {.n = e->n,
-                            .components = g->dim,
-                            .normal = e->normal,
-                            .face = e->face,
-                            .share = share[0],
-                            .inner = inner,
-                            .ghost = ghost};
+/* The derivatives beyond a patch follow its rule for velocity: per axis a component along the side and that across it.
+ */
+static void sheet_edge(struct gas *g, int tile, const struct edge *e, const void *context) {
+    const struct forest *f = g->forest;
+    const int side = 2 * e->normal + (e->to > e->from), lines = SHEET_LINES(g->dim);
+    const long at = e->face - f->tile[tile].side[side].face;
+    double *sheet = g->tiles->diffuser->sheet[tile] + at, inner[MAX_DIM][BATCH], ghost[MAX_DIM][BATCH], share[1][BATCH];
+    const struct sum_line line = {
+        .n = e->n, .components = 2, .normal = 1, .face = e->face, .share = share[0], .inner = inner, .ghost = ghost};
+    const size_t bytes = (size_t)e->n * sizeof(double);
     (void)context;
-    take_edge(size, e->to, e, 1, g->tiles->diffuser->wall[tile] + DRAG * size, share);
-    for (int along = 0; along < g->dim; along++) {
-        double *derivatives = g->tiles->diffuser->gradient[tile] + along * g->dim * size;
-        if (along == e->normal) continue;
-        take_edge(size, e->from, e, g->dim, derivatives, inner);
+    take_edge(g->size, e->to, e, 1, g->tiles->diffuser->wall[tile] + DRAG * g->size, share);
+    for (int v = 0; v < lines; v += 2) {
+        for (int i = 0; i < 2; i++) memcpy(inner[i], sheet + forest_sheet(f, side, lines, v + i), bytes);
         reflect_sums(e->rules, &line);
-        put_edge(size, e, g->dim, ghost, derivatives);
+        for (int i = 0; i < 2; i++) memcpy(sheet + forest_sheet(f, 2 * g->dim + side, lines, v + i), ghost[i], bytes);
     }
 }
 
-/* Derivatives along each side in the cells beside it, from which the ghosts beyond the side are made. */
-static void side_gradients(const struct forest *f, const struct tile *t, const double *S, const double *turn,
-                           double *out) {
+struct layer { /* the cells along a side of a tile: n[0] rows of n[1]; steps from row to row, from cell to cell */
+    int n[2];
+    long step[2];
+};
+
+KERNEL static void layer_derivatives(const struct layer *l, long across, double quarter, const double *restrict q,
+                                     double *restrict out) {
+    const int n = l->n[1];
+    for (int k = 0; k < l->n[0]; k++, q += l->step[0], out += n)
+        if (l->step[1] == 1)
+            for (int i = 0; i < n; i++) out[i] = half_derivative(q + i, across, quarter);
+        else
+            for (int i = 0; i < n; i++) out[i] = half_derivative(q + i * l->step[1], across, quarter);
+}
+
+/* That along the radius of a body of revolution. */
+static void layer_divergence(const struct layer *l, long across, double quarter, const double *q, const double *lean,
+                             double *out) {
+    for (int i = 0; i < l->n[1]; i++)
+        out[i] = half_divergence(q + i * l->step[1], across, quarter, lean[i * l->step[1]]);
+}
+
+/* Derivatives along each side in the cells beside it, from which those beyond the side are made. */
+static void side_derivatives(const struct forest *f, const struct tile *t, const double *S, const double *turn,
+                             double *sheet) {
     for (int side = 0; side < 2 * f->dim; side++) {
         const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
-        const long first = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0), step = f->stride[across];
-        for (int line = 0; line < f->dim * f->dim; line++) {
-            const int along = line / f->dim;
-            const double quarter = 0.25 / f->width[along];
-            for (int k = 0; along != axis && k < t->n[deep]; k++) {
-                const long at = first + k * f->stride[deep];
-                const double *q = S + line % f->dim * f->size + at;
-                double *to = out + line * f->size + at;
-                const bool spreads = turn && line == f->radial * (f->dim + 1);
-                for (int i = 0; i < t->n[across]; i++)
-                    to[i * step] = spreads
-                                       ? half_divergence(q + i * step, f->stride[along], quarter, turn[at + i * step])
-                                       : half_derivative(q + i * step, f->stride[along], quarter);
-            }
+        const struct layer l = {{t->n[deep], t->n[across]}, {f->stride[deep], f->stride[across]}};
+        const long first = f->first + (side % 2 ? (t->n[axis] - 1) * f->stride[axis] : 0);
+        for (int line = 0; line < SHEET_LINES(f->dim); line++) {
+            const int other = line / 2, k = other + (other >= axis), c = line % 2 ? axis : k;
+            const double quarter = 0.25 / f->width[k], *q = S + c * f->size + first;
+            double *to = sheet + forest_sheet(f, side, SHEET_LINES(f->dim), line);
+            if (turn && k == f->radial && c == k)
+                layer_divergence(&l, f->stride[k], quarter, q, turn + first, to);
+            else
+                layer_derivatives(&l, f->stride[k], quarter, q, to);
         }
     }
 }
 
-static void find_gradients(struct gas *g) {
+static void fill_sheets(struct gas *g) {
     const struct forest *f = g->forest;
     struct diffuser *d = g->tiles->diffuser;
     for (int t = 0; t < f->ntiles; t++)
-        side_gradients(f, &f->tile[t], d->sum[g->diffusion.last][t], turn_line(g, t, 0), d->gradient[t]);
-    forest_fill_derivatives(g->forest, d->gradient);
-    for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, gradient_edge, NULL);
+        side_derivatives(f, &f->tile[t], d->sum[g->diffusion.last][t], turn_line(g, t, 0), d->sheet[t]);
+    forest_fill_sheets(g->forest, SHEET_LINES(f->dim), d->sheet);
+    for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, sheet_edge, NULL);
 }
 
 void tiles_fill_sums(struct gas *g, enum diffusing what, double weight) {
@@ -156,5 +171,5 @@ void tiles_fill_sums(struct gas *g, enum diffusing what, double weight) {
     const struct fill fill = {what, weight};
     forest_fill_layers(g->forest, 1, lines_of(g, what), g->diffusion.sum[g->diffusion.last]);
     for (int t = 0; t < f->ntiles; t++) edges_visit(g, t, sum_edge, &fill);
-    if (what == VISCOUS && g->dim > 1) find_gradients(g);
+    if (what == VISCOUS && g->dim > 1) fill_sheets(g);
 }

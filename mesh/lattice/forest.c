@@ -27,7 +27,11 @@ static void lay_out(struct forest *f, const struct lattice *l) {
     f->stride[2] = f->stride[1] * (most[1] + 2 * ghosts[1]);
     f->first = 8 + ghosts[1] * f->stride[1] + ghosts[2] * f->stride[2];
     f->size = 8 + f->stride[2] * (most[2] + 2 * ghosts[2]);
-    for (int k = 0; k < 3; k++) f->step[k] = l->uniform[k] ? 0 : f->stride[k];
+    for (int k = 0; k < 3; k++) {
+        const long side = round_up(most[(k + 1) % 3] * most[(k + 2) % 3], 8);
+        f->step[k] = l->uniform[k] ? 0 : f->stride[k];
+        if (k < f->dim && side > f->sheet) f->sheet = side;
+    }
 }
 
 /* Lists the cells at the places of a box of the lattice (lattice_row); returns the end of the list. */

@@ -48,6 +48,7 @@ struct forest {
     long first;     /* offset of cell (0, 0, 0) */
     long size;      /* doubles per variable, a multiple of 8 */
     long step[3];   /* doubles from cell to cell of a block: stride, or 0 along uniform axes */
+    long sheet;     /* cells of the largest side of a tile, a multiple of 8 */
     long images;    /* cells of the mesh that each cell of a tile stands for: 1 unless an axis is uniform */
     int ntiles;     /* tiles of this rank */
     struct tile *tile;
@@ -93,16 +94,21 @@ void forest_free(struct forest *f);
  * forest_fill_tile fills the layers of one tile, as often as wanted until the next start: at once if the tile is not
  * remote, after forest_fill_finish if it is. data and its cells must stay as they are until then. forest_fill_tile
  * leaves out sides towards tiles of this rank where leave[side] is set (leave may be NULL). forest_fill does all of
- * this for all tiles and layers, forest_fill_layers for as many layers as it is told. forest_fill_derivatives fills one
- * layer of dim * dim variables: variable k dim + c is a derivative along axis k, and its ghosts beyond the sides of
- * that axis stay as they are. */
+ * this for all tiles and layers, forest_fill_layers for as many layers as it is told. */
 void forest_fill_start(struct forest *f, int layers, int nvar, double *const *data);
 void forest_fill_finish(struct forest *f);
 void forest_fill_tile(const struct forest *f, int t, const bool *leave);
 void forest_fill(struct forest *f, int nvar, double *const *data);
 void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data);
-void forest_fill_derivatives(struct forest *f, double *const *data);
 void forest_fill_int(struct forest *f, int *const *data); /* one layer of one variable of ints */
+
+/* Sheets of a tile hold `lines` <= FILL_VARIABLES lines of the cells along each side s, lower axis fastest. Line v
+ * stands at forest_sheet(f, s, lines, v); what lies beyond the side stands at the sheet 2 dim + s. forest_fill_sheets
+ * sets the latter but at patches. */
+static inline long forest_sheet(const struct forest *f, int s, int lines, int v) {
+    return (s * lines + v) * f->sheet;
+}
+void forest_fill_sheets(struct forest *f, int lines, double *const *data);
 
 /* Gathers values of this rank's cells, one block after the other in the order of their cells, in the root's
  * all[ncells_all], in polyMesh order; all is NULL on the other ranks. Collective. */

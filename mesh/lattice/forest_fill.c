@@ -159,17 +159,9 @@ static bool trim(const struct forest *f, int layers, struct copy *c, long *inner
     return true;
 }
 
-/* Returns where variable v of those that a box takes starts in a block; forest_fill_derivatives leaves out the
- * derivatives along the box's own axis. */
-static long line_of(const struct forest *f, const struct copy *c, int v) {
-    const int axis = c->side / 2;
-    return (f->hidden->derivatives && v >= axis * f->dim ? v + f->dim : v) * f->size;
-}
-
-static void fill_start(struct forest *f, int layers, bool derivatives, int nvar, double *const *data) {
+void forest_fill_start(struct forest *f, int layers, int nvar, double *const *data) {
     struct forest_private *h = f->hidden;
     h->layers = layers;
-    h->derivatives = derivatives;
     h->nvar = nvar;
     h->data = data;
     for (int i = 0; i < h->pack.n; i++) {
@@ -179,13 +171,9 @@ static void fill_start(struct forest *f, int layers, bool derivatives, int nvar,
         packed_strides(c.n, stride);
         for (int v = 0; v < nvar; v++)
             copy_box(h->link[c.link].out + c.to_start * layers * nvar + v * cells_of(c.n), stride,
-                     data[c.from] + line_of(f, &c, v) + c.from_start + inner, f->stride, c.n);
+                     data[c.from] + v * f->size + c.from_start + inner, f->stride, c.n);
     }
     comm_exchange_start(h->exchange, layers * nvar);
-}
-
-void forest_fill_start(struct forest *f, int layers, int nvar, double *const *data) {
-    fill_start(f, layers, false, nvar, data);
 }
 
 void forest_fill_finish(struct forest *f) {
@@ -200,7 +188,7 @@ void forest_fill_tile(const struct forest *f, int t, const bool *leave) {
         if ((leave && c.link < 0 && leave[c.side]) || !trim(f, h->layers, &c, &inner)) continue;
         packed_strides(c.n, packed);
         for (int v = 0; v < h->nvar; v++) {
-            const long line = line_of(f, &c, v);
+            const long line = v * f->size;
             double *to = h->data[t] + line + c.to_start + inner;
             if (c.link < 0)
                 copy_box(to, f->stride, h->data[c.from] + line + c.from_start + inner, f->stride, c.n);
@@ -211,22 +199,37 @@ void forest_fill_tile(const struct forest *f, int t, const bool *leave) {
     }
 }
 
-static void fill_all(struct forest *f, int layers, bool derivatives, int nvar, double *const *data) {
-    fill_start(f, layers, derivatives, nvar, data);
+void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data) {
+    forest_fill_start(f, layers, nvar, data);
     forest_fill_finish(f);
     for (int t = 0; t < f->ntiles; t++) forest_fill_tile(f, t, NULL);
 }
 
 void forest_fill(struct forest *f, int nvar, double *const *data) {
-    fill_all(f, GHOSTS, false, nvar, data);
+    forest_fill_layers(f, GHOSTS, nvar, data);
 }
 
-void forest_fill_layers(struct forest *f, int layers, int nvar, double *const *data) {
-    fill_all(f, layers, false, nvar, data);
-}
-
-void forest_fill_derivatives(struct forest *f, double *const *data) {
-    fill_all(f, 1, true, f->dim * (f->dim - 1), data);
+/* The cells along a side of a tile are those beyond the other side of its neighbour: copy.side is the neighbour's. */
+void forest_fill_sheets(struct forest *f, int lines, double *const *data) {
+    struct forest_private *h = f->hidden;
+    for (int i = 0; i < h->pack.n; i++) {
+        const struct copy *c = &h->pack.item[i];
+        const long cells = layer_cells(c->n, c->side);
+        for (int v = 0; v < lines; v++)
+            memcpy(h->link[c->link].out + c->to_start * lines + v * cells,
+                   data[c->from] + forest_sheet(f, c->side ^ 1, lines, v), (size_t)cells * sizeof(double));
+    }
+    comm_exchange_start(h->exchange, lines);
+    comm_exchange_finish(h->exchange);
+    for (int i = 0; i < h->fill.n; i++) {
+        const struct copy *c = &h->fill.item[i];
+        const long cells = layer_cells(c->n, c->side);
+        for (int v = 0; v < lines && c->beyond == 0; v++)
+            memcpy(data[c->to] + forest_sheet(f, 2 * f->dim + c->side, lines, v),
+                   c->link < 0 ? data[c->from] + forest_sheet(f, c->side ^ 1, lines, v)
+                               : h->link[c->link].in + c->from_start * lines + v * cells,
+                   (size_t)cells * sizeof(double));
+    }
 }
 
 static void copy_ints(int *to, const long to_stride[3], const int *from, const long from_stride[3], const int n[3]) {

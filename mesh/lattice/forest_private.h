@@ -47,7 +47,6 @@ struct forest_private {
     long *arriving;         /* [ranks] while the plan is made: doubles of a link's incoming message so far */
     struct comm_exchange *exchange;
     int layers, nvar; /* layers and variables of the fill under way */
-    bool derivatives;
     double *const *data;
 };
 

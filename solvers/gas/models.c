@@ -605,7 +605,8 @@ double models_memory(const struct setup *s, const struct gas_models *g) {
     const struct transport_terms terms = transport_terms(g->transport, &g->transport_params);
     if (f) { /* five variables of states and scratch; with transport also struct diffuser */
         const int further = (terms.cross ? f->dim + 1 : 0) + terms.dilation;
-        const int diffuser = g->transport ? 3 * s->components + f->dim * (f->dim + 5) + 5 + further : 0;
+        const double sheets = 8. * f->dim * (f->dim - 1) * (double)f->sheet / (double)f->size;
+        const double diffuser = g->transport ? 3 * s->components + 5 * f->dim + 5 + further + sheets : 0;
         const double bed =
             gas_may_be_dense(g) ? 2 + f->dim * (s->components + 2) + bed_memory(f->dim, s->components, 1, f->dim) : 0;
         return (double)f->ntiles_all * (double)f->size *

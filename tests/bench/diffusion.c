@@ -5,6 +5,7 @@
  * little diffusion that two stages do, over those of the same gas without transport. CPU time of the process, the best
  * of the rounds. */
 #include "libcore/gas/gas_private.h"
+#include "mesh/grid/grid.h"
 #include "mesh/lattice/box.h"
 #include "tests/bench/clock.h"
 #include "tests/defaults.h"
@@ -47,6 +48,27 @@ static double time_stages(struct gas *g, enum diffusing what, int super, int sta
     return cpu_seconds() - start;
 }
 
+/* Prints the parts of a half step, each the best of the rounds. */
+static void time_parts(struct gas *g, const char *name, double cells, int rounds) {
+    const int super = cells < 1e5 ? 20 : 1;
+    double best[2] = {1, 1}, ends[2] = {1, 1}, coefficients = 1, rate[2];
+    for (int i = 0; i < rounds; i++) {
+        const double start = cpu_seconds();
+        g->engine->diffusion.rates(g, &g->U, rate, NULL);
+        coefficients = smaller(coefficients, cpu_seconds() - start);
+        const double dt = 1 / larger(rate[0], rate[1]);
+        for (int what = 0; what < 2; what++) {
+            const double two = time_stages(g, what, super, 2, dt) / super;
+            ends[what] = smaller(ends[what], two);
+            best[what] = smaller(best[what], (time_stages(g, what, super, STAGES, dt) / super - two) / (STAGES - 2));
+        }
+    }
+    printf(
+        "%-11s ns a cell and stage: viscous %5.2f, heat %5.2f; ends of a super step %5.2f, %5.2f, coefficients %5.2f\n",
+        name, 1e9 * best[VISCOUS] / cells, 1e9 * best[HEAT] / cells, 1e9 * ends[VISCOUS] / cells,
+        1e9 * ends[HEAT] / cells, 1e9 * coefficients / cells);
+}
+
 static status time_box(const struct comm *c, int nx, int ny, int rounds) {
     struct box box;
     struct forest *f;
@@ -71,22 +93,9 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
     TRY(forest_make(&box.lattice, &box.mesh, c, 60, &f));
     TRY(gas_make(f, &m, 6, rules, &g));
     TRY(fill(g, nx, ny));
-    const double cells = (double)nx * ny;
-    const int super = cells < 1e5 ? 20 : 1;
-    double best[4] = {1, 1, 1, 1}, rate[2];
-    for (int i = 0; i < rounds; i++) {
-        const double start = cpu_seconds();
-        g->engine->diffusion.rates(g, &g->U, rate, NULL);
-        best[3] = smaller(best[3], cpu_seconds() - start);
-        const double dt = 1 / larger(rate[0], rate[1]);
-        for (int what = 0; what < 2; what++) {
-            const double ends = time_stages(g, what, super, 2, dt);
-            best[2] = smaller(best[2], ends / super);
-            best[what] = smaller(best[what], (time_stages(g, what, super, STAGES, dt) - ends) / super / (STAGES - 2));
-        }
-    }
-    printf("%4d x %-4d ns a cell and stage: viscous %5.2f, heat %5.2f; a super step's ends %5.2f, coefficients %5.2f\n",
-           nx, ny, 1e9 * best[VISCOUS] / cells, 1e9 * best[HEAT] / cells, 1e9 * best[2] / cells, 1e9 * best[3] / cells);
+    char name[32];
+    (void)snprintf(name, sizeof name, "%4d x %-4d", nx, ny);
+    time_parts(g, name, (double)nx * ny, rounds);
     gas_free(g);
     forest_free(f);
     box_free(&box);
@@ -95,7 +104,7 @@ static status time_box(const struct comm *c, int nx, int ny, int rounds) {
 
 /* ---- whole steps in 3D ---- */
 
-enum { SIDE = 48, GASES = 3 };
+enum { SIDE = 64, GASES = 3 };
 static const char *const gas_name[GASES] = {"inviscid", "GarzoDufty", "GarzoDufty, zetaU full"};
 
 static status fill_spheres(struct gas *g) {
@@ -168,8 +177,12 @@ static status time_steps(struct forest *f, const char *reconstruct, int rounds) 
 static status time_spheres(const struct comm *c, int rounds) {
     struct box box;
     struct forest *f;
+    struct gas *g;
     TRY(box_make(&box, 3, (int[3]){SIDE, SIDE, SIDE}, (double[3]){10, 10, 10}, (bool[3]){true, true, true}));
-    TRY(forest_make(&box.lattice, &box.mesh, c, 24, &f));
+    TRY(forest_make(&box.lattice, &box.mesh, c, grid_tile_size(3), &f));
+    TRY(make_spheres(f, "PHM", 1, &g));
+    time_parts(g, "64^3", f->ncells_all, rounds / 4 + 1);
+    gas_free(g);
     TRY(time_steps(f, "PHM", rounds));
     TRY(time_steps(f, "WENO5", rounds));
     forest_free(f);

@@ -146,7 +146,6 @@ struct fixture {
     struct polymesh m;
     struct forest *f;
     int nvar, layers; /* that are to be filled */
-    bool derivatives;
     double **data;
 };
 
@@ -208,7 +207,6 @@ static double expected(const struct fixture *x, const struct tile *tile, const i
     }
     if (outside > 1) return absent;
     if (outside == 0) return value(x, at, v);
-    if (x->derivatives && v / x->f->dim == side / 2) return absent;
     int n = x->scene->n[side / 2];
     at[side / 2] = (at[side / 2] + GHOSTS * n) % n;
     return tile->side[side].patch >= 0 ? absent : value(x, at, v);
@@ -253,17 +251,54 @@ static void ghost_layers_hold_the_cells_beyond(void **state) {
         }
 }
 
-static void derivatives_stay_beyond_sides_of_their_axis(void **state) {
+enum { SHEET_LINES = 3 };
+
+/* The place in the sheets of a tile of the cell across a side; `beyond` it or before it. */
+static long sheet_place(const struct forest *f, const struct tile *t, int side, bool beyond, int v, int i, int j) {
+    return forest_sheet(f, side + (beyond ? 2 * f->dim : 0), SHEET_LINES, v) + j * t->n[side < 2 ? 1 : 0] + i;
+}
+
+/* Visits the cells of all sides of a tile: sets what the sheets hold of them, or checks what came from beyond. */
+static void visit_sheets(const struct fixture *x, int tile, double *sheets, bool check) {
+    const struct tile *t = &x->f->tile[tile];
+    for (int side = 0; side < 2 * x->f->dim; side++) {
+        const int axis = side / 2, across = axis == 0 ? 1 : 0, deep = axis == 2 ? 1 : 2;
+        for (int at = 0; at < SHEET_LINES * t->n[across] * t->n[deep]; at++) {
+            int cell[3] = {0}, v = at % SHEET_LINES, i = at / SHEET_LINES % t->n[across],
+                j = at / SHEET_LINES / t->n[across];
+            cell[across] = i;
+            cell[deep] = j;
+            cell[axis] = side % 2 ? t->n[axis] - !check : -check;
+            const double wanted =
+                check ? expected(x, t, cell, v)
+                      : value(x, (int[3]){t->low[0] + cell[0], t->low[1] + cell[1], t->low[2] + cell[2]}, v);
+            double *place = sheets + sheet_place(x->f, t, side, check, v, i, j);
+            if (!check)
+                *place = wanted;
+            else if (*place != wanted)
+                fail_msg("%s: tile %d side %d line %d at (%d, %d): %.17g, not %.17g", x->scene->name, t->id, side, v, i,
+                         j, *place, wanted);
+        }
+    }
+}
+
+static void sheets_hold_the_cells_beyond(void **state) {
     (void)state;
     for (int s = 0; s < SCENES; s++) {
         struct fixture x;
-        begin(&x, &scenes[s], 9);
-        x.nvar = x.f->dim * x.f->dim;
+        begin(&x, &scenes[s], 1);
         x.layers = 1;
-        x.derivatives = true;
-        set_cells(&x);
-        forest_fill_derivatives(x.f, x.data);
-        for (int t = 0; t < x.f->ntiles; t++) check_block(&x, t);
+        const long length = 4L * x.f->dim * SHEET_LINES * x.f->sheet;
+        double **sheets = calloc((size_t)x.f->ntiles + 1, sizeof *sheets);
+        for (int t = 0; t < x.f->ntiles; t++) {
+            sheets[t] = malloc((size_t)length * sizeof **sheets);
+            for (long i = 0; i < length; i++) sheets[t][i] = absent;
+            visit_sheets(&x, t, sheets[t], false);
+        }
+        forest_fill_sheets(x.f, SHEET_LINES, sheets);
+        for (int t = 0; t < x.f->ntiles; t++) visit_sheets(&x, t, sheets[t], true);
+        for (int t = 0; t < x.f->ntiles; t++) free(sheets[t]);
+        free(sheets);
         end(&x);
     }
 }
@@ -608,7 +643,7 @@ int main(int argc, char **argv) {
     if (s) return status_print(s, true);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ghost_layers_hold_the_cells_beyond),
-        cmocka_unit_test(derivatives_stay_beyond_sides_of_their_axis),
+        cmocka_unit_test(sheets_hold_the_cells_beyond),
         cmocka_unit_test(ints_go_where_doubles_go),
         cmocka_unit_test(a_lattice_cut_in_two_is_dealt_by_halves),
         cmocka_unit_test(two_ranks_share_a_lattice_with_a_hole),
