@@ -5,6 +5,7 @@
 #include <petscksp.h>
 
 enum { MOST_ITERATIONS = 400 };
+#define LEAST_PIVOT 1e-300 /* kg */
 
 struct linear_solver {
     const struct linear_system *system;
@@ -142,7 +143,8 @@ static const char *module_make(const struct linear_system *s, struct linear_solv
 }
 
 /* Factors this rank's block by ILU(1), on a symmetric matrix the same as incomplete Cholesky: it takes two thirds of
- * the iterations of ILU(0). The factors are computed when they are first applied. */
+ * the iterations of ILU(0). The factors are computed when they are first applied. PETSc adds 2e-14 to pivots below that
+ * number, by default; here pivots are masses of cells, in kg, which may be far smaller. */
 static PetscErrorCode factor(PC blocks) {
     KSP *block;
     PC pc;
@@ -150,6 +152,8 @@ static PetscErrorCode factor(PC blocks) {
     PetscCall(KSPGetPC(block[0], &pc));
     PetscCall(PCSetType(pc, PCILU));
     PetscCall(PCFactorSetLevels(pc, 1));
+    PetscCall(PCFactorSetShiftType(pc, MAT_SHIFT_NONE));
+    PetscCall(PCFactorSetZeroPivot(pc, LEAST_PIVOT));
     return 0;
 }
 

@@ -25,28 +25,29 @@ static void lines_drop(double **line, int count) {
     for (int i = 0; i < count; i++) free(line[i]);
 }
 
-/* e: from the left centre to the right one; across: its part along the normal; before: what of that lies on the left.
- */
-static void measure_face(const struct polyhedra *m, int face, double e[MAX_DIM], double *across, double *before) {
-    double length = 0;
-    *across = *before = 0;
+/* e: from the left centre to the right one; across: its part along the normal, as it counts; share: which part of that
+ * lies on the left. The share is of the true length: of what counts, left and right would not add up to 1. */
+static void measure_face(const struct polyhedra *m, int face, double e[MAX_DIM], double *across, double *share) {
+    double length = 0, before = 0;
+    *across = 0;
     for (int k = 0; k < m->dim; k++) {
         const double arm[2] = {cells_arm(m, face, 0, k), cells_arm(m, face, 1, k)};
         e[k] = arm[0] - arm[1];
         length += e[k] * e[k];
         *across += e[k] * m->face.normal[k][face];
-        *before += arm[0] * m->face.normal[k][face];
+        before += arm[0] * m->face.normal[k][face];
     }
+    *share = *across > 0 ? before / *across : 0.5;
     *across = larger(*across, STEEP * sqrt(length));
 }
 
 static void measure_faces(const struct polyhedra *m, struct cells_diffuser *d) {
     const double round_off = 1e-12;
     for (int i = 0; i < m->face.n; i++) {
-        double e[MAX_DIM], across, before, most = 0;
-        measure_face(m, i, e, &across, &before);
+        double e[MAX_DIM], across, share, most = 0;
+        measure_face(m, i, e, &across, &share);
         d->inverse[i] = 1 / across;
-        d->share[i] = smaller(larger(before / across, CLOSEST), 1 - CLOSEST);
+        d->share[i] = smaller(larger(share, CLOSEST), 1 - CLOSEST);
         if (i >= m->face.ninternal || fabs(d->share[i] - 0.5) < round_off) d->share[i] = 0.5;
         for (int k = 0; k < m->dim; k++) {
             d->oblique[k][i] = m->face.normal[k][i] - e[k] / across;
