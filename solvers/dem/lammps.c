@@ -1,31 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts LAMMPS, sends it commands and reads its answers (lammps.h). */
 #define _GNU_SOURCE /* environ */
-#include "solvers/dem/lammps.h"
+#include "solvers/dem/lammps_private.h"
 
 #include "mesh/base/build.h"
 #include "mesh/base/comm.h"
 
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { WORDS = 32 };
+enum { WORDS = 32, MOST_LINES = 1000000 }; /* of no use, one after the other */
 static const char marker[] = "haff: done";
-
-struct lammps {
-    FILE *to, *from;
-    pid_t pid;
-    char *line; /* the last one read */
-    size_t room;
-    char error[512]; /* its last error */
-};
+static const char go_on[] = "the times written before are whole: start the run again, and it goes on from the last";
 
 static status missing(void) {
     return fail(
@@ -92,13 +85,12 @@ static status launch(char *const command[], bool alone, struct lammps *l) {
 }
 
 static bool read_line(struct lammps *l) {
-    const ssize_t n = getline(&l->line, &l->room, l->from);
-    if (n <= 0) return false;
+    if (!fgets(l->line, sizeof l->line, l->from)) return false;
     l->line[strcspn(l->line, "\n")] = 0;
     return true;
 }
 
-/* Waits for its end; returns its exit code. */
+/* Waits for its end; returns its exit code, or 128 and the number of the signal that ended it. */
 static int end(struct lammps *l) {
     int code = 0;
     if (l->to) fclose(l->to);
@@ -106,13 +98,12 @@ static int end(struct lammps *l) {
     l->to = l->from = NULL;
     if (l->pid > 0) waitpid(l->pid, &code, 0);
     l->pid = 0;
-    return WIFEXITED(code) ? WEXITSTATUS(code) : 128;
+    return WIFEXITED(code) ? WEXITSTATUS(code) : 128 + WTERMSIG(code);
 }
 
 void lammps_free(struct lammps *l) {
     if (!l) return;
     (void)end(l);
-    free(l->line);
     free(l);
 }
 
@@ -181,39 +172,48 @@ static status died(struct lammps *l) {
     const int code = end(l);
     if (*l->error) return fail(ERR_SYSTEM, "LAMMPS ended: %s", l->error);
     if (code == 127) return missing();
-    return fail(ERR_SYSTEM, "LAMMPS ended with code %d and said no reason", code);
+    if (code > 128) /* also of a shell or mpirun, whose child a signal ended */
+        return fail(ERR_SYSTEM, "LAMMPS was ended by signal %d (%s); %s", code - 128, strsignal(code - 128), go_on);
+    return fail(ERR_SYSTEM, "LAMMPS ended with code %d and said no reason; %s", code, go_on);
+}
+
+static status endless(void) {
+    return fail(ERR_SYSTEM, "LAMMPS prints lines without end and no answer; %s", go_on);
 }
 
 /* Keeps an error. */
 static void note(struct lammps *l) {
-    if (!strncmp(l->line, "ERROR", 5)) snprintf(l->error, sizeof l->error, "%s", l->line);
+    if (!strncmp(l->line, "ERROR", 5)) snprintf(l->error, sizeof l->error, "%.400s", l->line);
     if (*l->error && !strncmp(l->line, "Last command", 12)) {
         const size_t used = strlen(l->error);
-        snprintf(l->error + used, sizeof l->error - used, "; %s", l->line);
+        snprintf(l->error + used, sizeof l->error - used, "; %.400s", l->line);
     }
 }
 
 status lammps_wait(struct lammps *l) {
     lammps_send(l, "print \"%s\"", marker);
     fflush(l->to);
-    while (read_line(l)) {
+    for (int i = 0; i < MOST_LINES; i++) {
+        if (!read_line(l)) return died(l);
         if (!strcmp(l->line, marker)) return OK;
         note(l);
     }
-    return died(l);
+    return endless();
 }
 
 status lammps_dump(struct lammps *l, long *n) {
     bool count = false;
-    *n = 0;
+    *n = -1;
     fflush(l->to);
-    while (read_line(l)) {
+    for (int i = 0; i < MOST_LINES; i++) {
+        if (!read_line(l)) return died(l);
         if (count) *n = atol(l->line);
         count = !strncmp(l->line, "ITEM: NUMBER OF", 15);
-        if (!strncmp(l->line, "ITEM: ATOMS", 11) || !strncmp(l->line, "ITEM: ENTRIES", 13)) return OK;
+        if (!strncmp(l->line, "ITEM: ATOMS", 11) || !strncmp(l->line, "ITEM: ENTRIES", 13))
+            return *n >= 0 ? OK : fail(ERR_SYSTEM, "LAMMPS gave a dump without a number of rows");
         note(l);
     }
-    return died(l);
+    return endless();
 }
 
 status lammps_row(struct lammps *l, int columns, double *row) {
@@ -221,7 +221,8 @@ status lammps_row(struct lammps *l, int columns, double *row) {
     char *at = l->line, *rest;
     for (int k = 0; k < columns; k++, at = rest) {
         row[k] = strtod(at, &rest);
-        if (rest == at) return fail(ERR_SYSTEM, "LAMMPS gave a row of less than %d numbers: %s", columns, l->line);
+        if (rest == at || !isfinite(row[k]))
+            return fail(ERR_SYSTEM, "LAMMPS gave a row that is not of %d finite numbers: %.200s", columns, l->line);
     }
     return OK;
 }

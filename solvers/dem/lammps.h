@@ -29,8 +29,9 @@ void lammps_free(struct lammps *l); /* ends it */
 void lammps_send(struct lammps *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Waits until all is done that was sent. Fails with ERR_SYSTEM and its own words if it has ended. */
 status lammps_wait(struct lammps *l);
-/* Reads the head of a dump that was sent for; *n is its number of rows. */
+/* Reads the head of a dump that was sent for; *n is its number of rows, 0 or more. */
 status lammps_dump(struct lammps *l, long *n);
-status lammps_row(struct lammps *l, int columns, double *row); /* reads a row of it */
+/* Reads a row of it. Fails with ERR_SYSTEM if it has less numbers, or one that is not finite. */
+status lammps_row(struct lammps *l, int columns, double *row);
 
 #endif

@@ -19,6 +19,8 @@ from tests.cases import harness, runs
 
 GAS = os.path.join(harness.BIN, "granularGas")
 CONTROL = "system/controlDict"
+PLACES = {"fields": (), "uniform": ("uniform",), "grains": ("lagrangian", "grains")}  # of the files in checksums
+SOFT = ("rho", "U", "T", "uniform/lammps", "lagrangian/grains/positions")  # files of a time of granularDEM
 END = "0.002"  # of the cases below, after ten steps, each written
 
 
@@ -56,9 +58,9 @@ def sums(folder):
     with open(os.path.join(folder, "uniform", "checksums")) as f:
         text = f.read()
     (count,), found = re.findall(r"\nfiles +(\d+);", text), {}
-    for group, body in re.findall(r"\n(fields|uniform)\n\{\n(.*?)\n\}", text, flags=re.S):
+    for group, body in re.findall(r"\n(fields|uniform|grains)\n\{\n(.*?)\n\}", text, flags=re.S):
         for name, size, crc in re.findall(r'(\S+) +\{ size (\d+); crc32 "([0-9a-f]{8})"; \}', body):
-            found[name if group == "fields" else os.path.join(group, name)] = int(size), int(crc, 16)
+            found[os.path.join(*PLACES[group], name)] = int(size), int(crc, 16)
     if len(found) != int(count):
         raise ValueError(f"{folder}: {len(found)} checksums, not {count}")
     return found
@@ -81,16 +83,17 @@ def whole(case, name):
         contents = {key: stored(folder, key)[1] for key in listed}
     except (OSError, ValueError, EOFError, zlib.error):
         return False
-    return {*runs.FIELDS, "uniform/time"} <= listed.keys() and all(
+    needed = SOFT if "uniform/softGrains" in listed else runs.FIELDS
+    return {*needed, "uniform/time"} <= listed.keys() and all(
         (len(data), zlib.crc32(data)) == listed[key] for key, data in contents.items())
 
 
-def run(case, *options, fault=None, **more):
+def run(case, *options, fault=None, program=GAS, **more):
     environment = dict(os.environ)
     if fault:
         environment.update(LD_PRELOAD=os.path.join(harness.BIN, "faultydisk.so"), HAFF_FAULT=fault, HAFF_FAULT_FOLDER=case,
                            ASAN_OPTIONS="verify_asan_link_order=0")
-    return subprocess.run([GAS, "-case", case, *options], capture_output=True, text=True, timeout=300, env=environment, **more)
+    return subprocess.run([program, "-case", case, *options], capture_output=True, text=True, timeout=300, env={**environment, **more.pop("env", {})}, **more)
 
 
 def start(case, lines=1, word="    written", command=(GAS,), **options):
@@ -112,10 +115,12 @@ def rest(going):
     return said
 
 
-def again(outcome, case, straight, name=END):
+def again(outcome, case, straight, name=END, program=GAS):
     """Takes the run up: it comes to the end of one that nothing happened to, byte by byte, and leaves nothing behind."""
-    done = run(case)
-    if done.returncode or runs.hidden(case) or runs.contents(os.path.join(case, name)) != runs.contents(os.path.join(straight, name)):
+    done = run(case, program=program)
+    # pieces of granularDEM follow the clock, and LAMMPS's restart files hold what its memory held
+    ignore = ("provenance", *(("time", "lammps", "checksums") if program != GAS else ()))
+    if done.returncode or runs.hidden(case) or runs.contents(os.path.join(case, name), ignore) != runs.contents(os.path.join(straight, name), ignore):
         outcome.after.append(f"{outcome.times}: exit code {done.returncode}, {runs.hidden(case)}: {done.stderr}")
 
 
@@ -199,8 +204,39 @@ def disk_errors(folder, every=1):
     return at_each_call(folder, "error", "an input/output error (EIO) in each system call that changes a file", every)
 
 
+def torn_files(folder, every=1):
+    return at_each_call(folder, "torn", "the power fails in place of each system call: of what was not synced names stay, and half of the contents", every,
+                        codes=(-signal.SIGKILL,))
+
+
+def unsaid(folder, every=1):
+    return at_each_call(folder, "unsaid", "each system call that changes a file is done and reported as failed (EIO), as by a server whose answer is lost", every)
+
+
+def no_rename(folder, every=1):
+    return at_each_call(folder, "rename", "renames fail (EXDEV) from each system call on", every)
+
+
+def permission_lost(folder, every=1):
+    return at_each_call(folder, "denied", "nothing can be made, renamed or removed (EACCES) from each system call on", every)
+
+
 def full_from_each_call(folder, every=1):
     return at_each_call(folder, "full", "the disk is full (ENOSPC) from each system call on", every)
+
+
+def clock_jumps(folder):
+    """The date is wrong by ten years, this way and that: no result knows."""
+    outcome = Outcome("the date jumps by ten years, forwards and back, at every third reading")
+    straight = straight_run(folder, "date_straight")
+    case = make(folder, "date")
+    done = run(case, fault="clock:3")
+    outcome.take(case, done.stdout, done.stderr)
+    if done.returncode or runs.results(case) != runs.results(straight):
+        outcome.after.append(f"exit code {done.returncode}: {done.stderr}")
+    shutil.rmtree(os.path.join(case, END))
+    again(outcome, case, straight)
+    return outcome
 
 
 def endless(folder, name, **options):
@@ -271,6 +307,66 @@ def rank_process(parent, rank):
         if found:
             return found
     return None
+
+
+# ---- the child of granularDEM ---------------------------------------------------------------------------------------------
+
+
+DEM = os.path.join(harness.BIN, "granularDEM")
+ANSWERS = {"killed": "LAMMPS is killed (SIGKILL)", "ends": "LAMMPS ends without a word", "nan": "LAMMPS answers nan", "far": "LAMMPS answers with grains at 1e300",
+           "short": "LAMMPS answers with rows that are cut", "words": "LAMMPS answers with words and control characters", "twice": "LAMMPS answers with one number for all grains",
+           "together": "LAMMPS answers with all grains at one place", "negative": "LAMMPS answers with a negative number of grains",
+           "many": "LAMMPS answers with too many grains", "none": "LAMMPS answers without grains", "endless": "LAMMPS prints without end"}
+
+
+def soft_bed(folder, name):
+    """A few spheres that fall on a floor; it is written five times."""
+    from tests.cases.grains import test_softGrains
+    return test_softGrains.make(os.path.join(folder, name), "type linear; stiffness 100; friction 0.5;", T=1e-3, alpha=0.1, e=0.9, g=(0, -9.81, 0), end=2.5e-3, interval=5e-4)
+
+
+def answers(folder, kinds, seed=1):
+    """The child dies or answers rubbish behind the second written time."""
+    if not shutil.which("lmp"):
+        return
+    chance = random.Random(seed)
+    straight = soft_bed(folder, "soft_straight")
+    samples = run(straight, program=DEM)
+    if samples.returncode:
+        raise AssertionError(samples.stderr)
+    for kind in kinds:
+        outcome = Outcome(ANSWERS[kind])
+        case = soft_bed(folder, f"soft_{kind}")
+        tried = run(case, program=DEM, env={"PATH": os.path.dirname(os.path.abspath(__file__)) + os.pathsep + os.environ["PATH"], "HAFF_FAULT": f"{kind}:{chance.randint(70, 75)}"})
+        outcome.take(case, tried.stdout, tried.stderr)
+        if tried.returncode != 3 or not outcome.reported:
+            outcome.after.append(f"exit code {tried.returncode}, {outcome.reported} times: {tried.stderr}")
+        again(outcome, case, straight, "0.0025", DEM)
+        yield outcome
+
+
+def child_killed(folder, count, seed=1):
+    """kill -9 of the child at random moments."""
+    if not shutil.which("lmp"):
+        return None
+    chance = random.Random(seed)
+    outcome = Outcome("kill -9 of LAMMPS at random moments")
+    straight = soft_bed(folder, "child_straight")
+    run(straight, program=DEM)
+    for k in range(count):
+        case = soft_bed(folder, f"child{k}")
+        going, text = start(case, command=(DEM,))
+        time.sleep(chance.random() * 0.1)
+        with open(f"/proc/{going.pid}/task/{going.pid}/children") as f:
+            children = f.read().split()
+        for child in children:
+            os.kill(int(child), signal.SIGKILL)
+        more, error = rest(going)
+        outcome.take(case, text + more, error)
+        if going.returncode != (3 if children else 0):
+            outcome.after.append(f"exit code {going.returncode}: {error}")
+        again(outcome, case, straight, "0.0025", DEM)
+    return outcome
 
 
 # ---- disks and folders -----------------------------------------------------------------------------------------------
@@ -525,8 +621,15 @@ def every_fault(folder, every, count):
     yield kills(folder, count)
     yield death_at_each_call(folder, every)
     yield power_cuts(folder, every)
+    yield torn_files(folder, 2 * every - 1)
     yield full_from_each_call(folder, every)
+    yield permission_lost(folder, 2 * every - 1)
+    yield no_rename(folder, 2 * every - 1)
+    yield unsaid(folder, 2 * every - 1)
     yield disk_errors(folder, every)
+    yield clock_jumps(folder)
+    yield from answers(folder, ANSWERS if every == 1 else ("killed", "far", "negative"))
+    yield child_killed(folder, 1 + count // 50)
     yield from ranks(folder)
     yield from signals(folder)
     yield full_disk(folder)
