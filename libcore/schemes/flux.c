@@ -564,7 +564,7 @@ static const struct param common_param[] = {
     RULE(contacts, "contacts of dense gas get the flux HLLC, which keeps their pressure"),
     CHOICE("fronts", fronts, RULE_ON, rule_words,
            "entropy and shears are damped beside fronts of shocks, so that these stay straight (2D, 3D)"),
-    SWITCH("smooth", smooth, false,
+    SWITCH("smooth", smooth, true,
            "where the gas varies smoothly, fluxes are linear of fifth order, which is faster and more accurate; for "
            "WPENO5, WENO5, WENOZ and TENO5 on lattices without gravity"),
 };

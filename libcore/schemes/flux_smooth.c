@@ -18,14 +18,15 @@ ALWAYS_INLINE uint64_t is_border_free(const double *restrict q, long s) {
     const uint64_t right = is(q[s] != q[2 * s]) | is(q[2 * s] != q[3 * s]);
     return (left & right) | ~(left | middle | right);
 }
-/* Does a positive quantity vary smoothly over the six cells? A step has differences of 6 to 10 of its variation, a kink
- * of 1, a sine of eight cells a wave 0.1. */
-ALWAYS_INLINE uint64_t varies_smoothly(const double *restrict q, long s) {
+/* Does a quantity vary smoothly over the six cells, on a scale (its own sum over both cells; twice the speed of sound
+ * for a velocity)? A step has differences of 6 to 10 of its variation, a kink of 1, a sine of eight cells a wave 0.1.
+ */
+ALWAYS_INLINE uint64_t varies_smoothly(const double *restrict q, long s, double scale) {
     const double a = q[-2 * s], b = q[-s], c = q[0], d = q[s], e = q[2 * s], f = q[3 * s];
     const double o1 = d - c, o3 = e - b, o5 = f - a, s1 = c + d, s3 = b + e, s5 = a + f;
     const double fifth = fabs(fma(10, o1, fma(-5, o3, o5))), fourth = fabs(fma(2, s1, fma(-3, s3, s5)));
     const double variation = (fabs(b - a) + fabs(f - e)) + (fabs(c - b) + fabs(e - d)) + fabs(o1);
-    return is(fifth + fourth <= fma(BUMP, variation, NOISE * s1)) & is(variation <= SLOPE * s1) & is_border_free(q, s);
+    return is(fifth + fourth <= fma(BUMP, variation, NOISE * scale)) & is(variation <= SLOPE * scale);
 }
 /* Does the Grueneisen coefficient keep the face from being a contact of dense gas (flux_rules.h)? */
 ALWAYS_INLINE uint64_t is_even(const double *restrict g, long s) {
@@ -41,15 +42,25 @@ KERNEL static void find_rough(const struct faces *f, double *restrict rough) {
     const long s = f->stride;
     EACH_ALONE
     for (int i = 0; i < f->n; i++) {
-        const uint64_t smooth = varies_smoothly(rho + i, s) & varies_smoothly(p + i, s) & is_even(g + i, s);
-        rough[i] = select_masked(smooth, 0, 1);
+        const double *r = rho + i, *q = p + i;
+        const uint64_t smooth = varies_smoothly(r, s, r[0] + r[s]) & varies_smoothly(q, s, q[0] + q[s]);
+        rough[i] = select_masked(smooth & is_border_free(r, s) & is_border_free(q, s) & is_even(g + i, s), 0, 1);
     }
+}
+/* Marks those across which a tangential velocity does not vary smoothly: shears need have no jump of rho and p. */
+KERNEL static void find_sheared(const struct faces *f, const double *restrict u, double *restrict rough) {
+    const double *c = f->c;
+    const long s = f->stride;
+    EACH_ALONE
+    for (int i = 0; i < f->n; i++)
+        rough[i] = select_masked(varies_smoothly(u + i, s, c[i] + c[i + s]) & is_border_free(u + i, s), rough[i], 1);
 }
 
 int smooth_find(const struct faces *f, double *rough) {
     const int n = f->n - f->padding;
     int count = 0;
     find_rough(f, rough);
+    for (int k = 1; k < f->dim; k++) find_sheared(f, f->velocity[k], rough);
     for (int i = 0; i < n && f->floor; i++) rough[i] = f->floor[i] > 0 ? 1 : rough[i];
     for (int i = 0; i < n && f->flat; i++) rough[i] = f->flat[i] > 0 ? 1 : rough[i];
     for (int i = 0; i < n; i++) count += rough[i] > 0;

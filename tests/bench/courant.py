@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""SSPRK43 at maxCo 2 against 1 in two dimensions: user seconds in turn, errors, what was limited and rejected.
+"""SSPRK43 at maxCo 2 against 1 in two dimensions, or smooth faces against none at maxCo 1: user seconds in turn, errors, what was
+limited and rejected.
 
-    courant.py [-bin build/bin] [-core N] [-references FOLDER] [PROBLEM...]
+    courant.py [-smooth] [-bin build/bin] [-core N] [-references FOLDER] [PROBLEM...]
 
 The problems are those of workPrecision and two more. `dense`: gas of grains at 500 kg/m^3, in which a disk of 1000 kg/m^3 is
 three times as hot. `void`: grains at 100 kg/m^3 that fly apart from a point at Mach 4. Both are known from two schemes on 400 x 400
@@ -51,11 +52,13 @@ class Void(Referenced):
 
 GRIDS = {"vortex": (80, 160), "shear": (32, 64), "riemann2D": (100, 200), "step": (100, 200), "wedge": (100, 200), "dense": (50, 100),
          "void": (50, 100)}
+LINES = {"wave": (100, 200), "sod": (400, 1600), "shuOsher": (400, 800), "blast": (1000, 4000), "burst": (100, 400), "headOn": (100, 400),
+         "contact": (100, 400), "parting": (100, 400)}  # for -smooth
 
 
-def run(program, problem, n, courant, **scheme):
+def run(program, problem, n, courant=1.0, **scheme):
     with tempfile.TemporaryDirectory() as case:
-        values, entry = program.run(problem, case, n, courant=courant, **{**SCHEME, **scheme})
+        values, entry = program.run(problem, case, n, **{**SCHEME, "courant": courant, **scheme})
     if values is None:
         sys.exit(f"{problem.name} on {n} cells at maxCo {courant} failed: {entry['net']}")
     return values, entry
@@ -63,25 +66,29 @@ def run(program, problem, n, courant, **scheme):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("problems", nargs="*", default=list(GRIDS))
+    parser.add_argument("problems", nargs="*", default=[])
+    parser.add_argument("-smooth", action="store_true")
     parser.add_argument("-bin", default=folder_of_programs())
     parser.add_argument("-core", type=int, default=0)
     parser.add_argument("-references", default=None)
     o = parser.parse_args()
-    if not set(o.problems) <= set(GRIDS):
-        parser.error("the problems are " + ", ".join(GRIDS))
+    grids = {**LINES, **GRIDS} if o.smooth else GRIDS
+    if not set(o.problems) <= set(grids):
+        parser.error("the problems are " + ", ".join(grids))
+    pair = [{"flux": f"common; commonCoeffs {{ smooth {word}; }}", "courant": 1.0} for word in ("no", "yes")] if o.smooth else \
+        [{"courant": courant} for courant in (1.0, 2.0)]
     program, known = Haff(o.bin, o.core, 1), {p.name: p for p in (*PROBLEMS, Dense(), Void())}
-    for problem in (known[name] for name in o.problems):
+    for problem in (known[name] for name in o.problems or grids):
         if isinstance(problem, Referenced):
             folder = o.references or tempfile.mkdtemp(prefix="courant")
             if not problem.load([of_source("postprocessing", "references"), folder]):
                 problem.keep(folder, [run(program, problem, problem.fine, 0.5, flux=f, reconstruct=r)[0] for f, r in problem.pair])
-        for n in GRIDS[problem.name]:
-            pairs = [[run(program, problem, n, courant) for courant in (1.0, 2.0)] for _ in range(3 if n <= 100 else 2)]
+        for n in grids[problem.name]:
+            pairs = [[run(program, problem, n, **scheme) for scheme in pair] for _ in range(3 if n <= 100 else 2)]
             (one, a), (two, b) = pairs[0]
             errors = [float(problem.error(n, values)) for values in (one, two)]
             print(f"{problem.name} {n}: steps {a['steps']}, {b['steps']}; {a['user']:.3g} s, "
-                  f"{statistics.median(x[1]['user'] / y[1]['user'] for x, y in pairs):.2f} times as fast; "
+                  f"{statistics.median(x[1]['user'] / max(y[1]['user'], 1e-3) for x, y in pairs):.2f} times as fast; "
                   f"error {errors[0]:.3g}, {100 * (errors[1] / errors[0] - 1):+.1f} %; limited '{a['net']}', '{b['net']}'", flush=True)
 
 

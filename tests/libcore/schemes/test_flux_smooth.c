@@ -38,7 +38,7 @@ static bool is_smooth(const struct strip *s, const char *reconstruct, int face) 
     return !same;
 }
 
-/* Fine waves are smooth for the schemes of five points alone; coarse ones, steps and gas under gravity are not. */
+/* Fine waves are smooth for the schemes of five points alone; coarse ones, steps, shears and gas under gravity are not. */
 static void faces_are_told_apart(void **state) {
     (void)state;
     for (int dim = 1; dim <= 3; dim++) {
@@ -53,6 +53,12 @@ static void faces_are_told_apart(void **state) {
         for (int i = FACE + 3; i < CELLS; i++) step.U[0][i] *= 1.2;
         close_strip(&step);
         assert_false(is_smooth(&step, "WPENO5", FACE));
+        for (int k = 1; k < dim; k++) { /* a shear that rho and p do not see */
+            struct strip sheared = wave(dim, 24, 0, 0.3);
+            for (int i = 0; i < CELLS; i++) sheared.u[k][i] = i > FACE ? 1 : -1;
+            close_strip(&sheared);
+            assert_false(is_smooth(&sheared, "WPENO5", FACE));
+        }
     }
 }
 
