@@ -78,7 +78,7 @@ class Limiter(harness.Folder, unittest.TestCase):
         chance = random.Random(3)
         for engine, floor in (("polyhedral", False), ("lattice", True)):
             with self.subTest(engine, floor=floor):
-                case = self.shot(f"interrupts_{engine}{floor}", engine, 0.004, mach=1000 if engine == "polyhedral" else 80)
+                case = self.shot(f"interrupts_{engine}{floor}", engine, 0.004, mach=2000 if engine == "polyhedral" else 80)
                 runs.conduct(case)
                 harness.edit(case, CONTROL, writeInterval=0.001)
                 runs.add(case, CONTROL, "stopAt endTime; logInterval 1;\n")
