@@ -18,29 +18,27 @@
 /* A cell whose neighbours do not tell its gradient counts TOLD times as much as others. */
 static const double TOLD = 1e-16;
 
-struct parts { /* of left and right cell: of G on a face, and what is taken from the jump */
-    double w[2], c[2][MAX_DIM];
-};
-static struct parts parts_of(const struct bed *b, const struct face_view *v) {
+/* Sets w and c of a face. */
+static void find_parts(const struct bed *b, const struct face_view *v, struct askew_face *out) {
     const struct bed_shapes *h = b->set.shapes;
-    struct parts out = {{0}, {{0}}};
+    memset(out->w, 0, sizeof out->w);
+    memset(out->c, 0, sizeof out->c);
     if (v->left < 0 || v->right < 0) {
         const int side = v->left < 0;
-        out.w[side] = 1;
-        memcpy(out.c[side], v->to, sizeof v->to);
-        return out;
+        out->w[side] = 1;
+        memcpy(out->c[side], v->to, (size_t)b->dim * sizeof *v->to);
+        return;
     }
     const double s[2] = {b->rub->share[v->left], b->rub->share[v->right]}, most = larger(s[0], s[1]);
     const double a[2] = {s[0] / most, s[1] / most};
     for (int side = 0; side < 2; side++) {
         const double own = h->depth[side][v->shape] / v->depth, others = h->depth[!side][v->shape] / v->depth;
         const double sign = side ? -1 : 1;
-        out.w[side] = a[side] * own + (1 - a[!side]) * others;
+        out->w[side] = a[side] * own + (1 - a[!side]) * others;
         for (int k = 0; k < b->dim; k++)
-            out.c[side][k] = sign * (a[side] * bed_middle(b, side)[k][v->shape] -
-                                     (1 - a[!side]) * bed_middle(b, !side)[k][v->shape]);
+            out->c[side][k] = sign * (a[side] * bed_middle(b, side)[k][v->shape] -
+                                      (1 - a[!side]) * bed_middle(b, !side)[k][v->shape]);
     }
-    return out;
 }
 
 /* Returns how well the neighbours of a cell tell its gradient, 0 .. 1: 0 if they lie on a line or in a plane. */
@@ -67,6 +65,40 @@ static double weight_on(const struct bed *b, const struct bed_side *s, int i) {
     return mine / (mine + others);
 }
 
+/* Sets what `fit` of the cell across a side of cell i is for the difference across it. */
+static void find_back(const struct bed *b, const struct bed_side *s, int i, double fit[MAX_DIM]) {
+    const struct bed_side back = {s->face, s->shape, !s->right, -s->sign};
+    const int other = bed_across(b, s);
+    double to[MAX_DIM];
+    if (b->set.kind[s->face] != BED_INNER || !(b->rub->share[other] > 0)) return;
+    const double w = bed_fit_weight(b, &back, i, to);
+    for (int k = 0; k < b->dim; k++) fit[k] = 0;
+    for (int k = 0, at = 0; k < b->dim; k++)
+        for (int l = k; l < b->dim; l++, at++) {
+            fit[k] += b->rub->inverse[at][other] * w * to[l];
+            if (l != k) fit[l] += b->rub->inverse[at][other] * w * to[k];
+        }
+}
+
+void bed_weigh_askew(const struct bed *b) {
+    const struct bed_friction *r = b->rub;
+    for (int e = 0; e < r->faces; e++) {
+        const struct face_view v = bed_view(b, r->face[e], b->dim);
+        find_parts(b, &v, &r->askew[v.face]);
+    }
+    for (int f = 0; f < b->set.faces; f++)
+        for (int right = 0; right < 2; right++) {
+            const int i = right ? b->set.right[f] : b->set.left[f];
+            const struct bed_side s = {f, b->set.shape[f], right, right ? -1 : 1};
+            if (i >= 0) r->askew[f].on[right] = weight_on(b, &s, i);
+        }
+    for (int i = 0; i < b->set.cells; i++)
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            find_back(b, &s, i, r->back[j]);
+        }
+}
+
 static bool slips(const struct bed *b, int f) {
     return b->set.kind[f] == BED_WALL && !bed_rubs_at(b, f);
 }
@@ -89,7 +121,6 @@ static void find_value(const struct bed *b, int f, double *const *V, double u[MA
     for (int m = 0; m < MAX_DIM; m++) u[m] = 0;
     for (int right = 0; right < 2; right++) {
         const int i = right ? b->set.right[f] : b->set.left[f];
-        const struct bed_side s = {f, b->set.shape[f], right, right ? -1 : 1};
         if (i < 0) continue;
         if (b->set.kind[f] == BED_WALL && !slips(b, f)) {
             for (int m = 0; m < b->components; m++) u[m] = b->set.wall_speed[m][f] - V[m][i];
@@ -97,10 +128,10 @@ static void find_value(const struct bed *b, int f, double *const *V, double u[MA
             for (int m = 0; m < b->components; m++) u[m] += V[m][i];
             return;
         }
-        const double w = weight_on(b, &s, i);
+        const double w = r->askew[f].on[right];
         for (int m = 0; m < b->components && w > 0 && r->share[i] > 0; m++) {
             double at = V[m][i];
-            for (int k = 0; k < b->dim; k++) at += bed_middle(b, right)[k][s.shape] * r->gradient[k][m][i];
+            for (int k = 0; k < b->dim; k++) at += bed_middle(b, right)[k][b->set.shape[f]] * r->gradient[k][m][i];
             u[m] += w * at;
         }
     }
@@ -132,7 +163,7 @@ void bed_gauss_gradients(const struct bed *b, double *const *V) {
 
 void bed_look_askew(const struct bed *b, const struct face_view *v, double *const *V, double jump[MAX_DIM],
                     double mean[MAX_DIM][MAX_DIM]) {
-    const struct parts p = parts_of(b, v);
+    const struct askew_face p = b->rub->askew[v->face];
     const int cell[2] = {v->left, v->right};
     for (int m = 0; m < b->components; m++) jump[m] = 0;
     for (int side = 0; side < 2; side++) {
@@ -176,7 +207,7 @@ static void find_backs(const struct bed *b) {
             const struct bed_side s = bed_side(b, j);
             if (r->part[s.face] == 0) continue;
             const struct face_view v = bed_view(b, s.face, b->dim);
-            const struct parts p = parts_of(b, &v);
+            const struct askew_face p = r->askew[s.face];
             const double A = per * b->set.shapes->area[s.shape];
             for (int k = 0; k < b->dim; k++)
                 for (int m = 0; m < b->components; m++)
@@ -217,7 +248,7 @@ static void find_slants(const struct bed *b) {
         double P[MAX_DIM][MAX_DIM] = {{0}};
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1] && r->share[i] > 0; j++) {
             const struct bed_side s = bed_side(b, j);
-            const double w = weight_on(b, &s, i);
+            const double w = r->askew[s.face].on[s.right];
             double y[MAX_DIM];
             for (int m = 0; m < b->components; m++) y[m] = w * r->value[m][s.face];
             if (slips(b, s.face)) flatten(b, s.face, y);
@@ -246,14 +277,14 @@ static void pull_by_value(const struct bed *b, const struct bed_side *s, int i, 
         if (b->set.kind[s->face] == BED_WALL)
             force[m] += slips(b, s->face) ? flat[m] : y[m] - flat[m];
         else if (r->share[i] > 0)
-            force[m] += weight_on(b, s, i) * y[m];
+            force[m] += r->askew[s->face].on[s->right] * y[m];
     }
 }
 
 /* Adds what acts on a cell by the gradients that it has a part in across a side. */
 static void pull_by_fit(const struct bed *b, const struct bed_side *s, int entry, int i, double force[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
-    double own[MAX_DIM] = {0}, to[MAX_DIM], fit[MAX_DIM] = {0};
+    double own[MAX_DIM] = {0};
     for (int k = 0; k < b->dim && r->share[i] > 0; k++)
         for (int m = 0; m < b->components; m++) own[m] += r->fit[k][entry] * r->gradient[k][m][i];
     if (slips(b, s->face)) { /* the change there is -2 n (u.n) */
@@ -266,16 +297,9 @@ static void pull_by_fit(const struct bed *b, const struct bed_side *s, int entry
     for (int m = 0; m < b->components; m++) force[m] -= own[m];
     if (b->set.kind[s->face] != BED_INNER) return;
     const int other = bed_across(b, s);
-    const struct bed_side back = {s->face, s->shape, !s->right, -s->sign};
     if (!(r->share[other] > 0)) return;
-    const double w = bed_fit_weight(b, &back, i, to);
-    for (int k = 0, at = 0; k < b->dim; k++)
-        for (int l = k; l < b->dim; l++, at++) {
-            fit[k] += r->inverse[at][other] * w * to[l];
-            if (l != k) fit[l] += r->inverse[at][other] * w * to[k];
-        }
     for (int k = 0; k < b->dim; k++)
-        for (int m = 0; m < b->components; m++) force[m] += fit[k] * r->gradient[k][m][other];
+        for (int m = 0; m < b->components; m++) force[m] += r->back[entry][k] * r->gradient[k][m][other];
 }
 
 void bed_pull(const struct bed *b, int i, double force[MAX_DIM]) {
