@@ -18,29 +18,27 @@
 /* A cell whose neighbours do not tell its gradient counts TOLD times as much as others. */
 static const double TOLD = 1e-16;
 
-struct parts { /* of left and right cell: of G on a face, and what is taken from the jump */
-    double w[2], c[2][MAX_DIM];
-};
-static struct parts parts_of(const struct bed *b, const struct face_view *v) {
+/* Sets w and c of a face. */
+static void find_parts(const struct bed *b, const struct face_view *v, struct askew_face *out) {
     const struct bed_shapes *h = b->set.shapes;
-    struct parts out = {{0}, {{0}}};
+    memset(out->w, 0, sizeof out->w);
+    memset(out->c, 0, sizeof out->c);
     if (v->left < 0 || v->right < 0) {
         const int side = v->left < 0;
-        out.w[side] = 1;
-        memcpy(out.c[side], v->to, sizeof v->to);
-        return out;
+        out->w[side] = 1;
+        memcpy(out->c[side], v->to, (size_t)b->dim * sizeof *v->to);
+        return;
     }
     const double s[2] = {b->rub->share[v->left], b->rub->share[v->right]}, most = larger(s[0], s[1]);
     const double a[2] = {s[0] / most, s[1] / most};
     for (int side = 0; side < 2; side++) {
         const double own = h->depth[side][v->shape] / v->depth, others = h->depth[!side][v->shape] / v->depth;
         const double sign = side ? -1 : 1;
-        out.w[side] = a[side] * own + (1 - a[!side]) * others;
+        out->w[side] = a[side] * own + (1 - a[!side]) * others;
         for (int k = 0; k < b->dim; k++)
-            out.c[side][k] = sign * (a[side] * bed_middle(b, side)[k][v->shape] -
-                                     (1 - a[!side]) * bed_middle(b, !side)[k][v->shape]);
+            out->c[side][k] = sign * (a[side] * bed_middle(b, side)[k][v->shape] -
+                                      (1 - a[!side]) * bed_middle(b, !side)[k][v->shape]);
     }
-    return out;
 }
 
 /* Returns how well the neighbours of a cell tell its gradient, 0 .. 1: 0 if they lie on a line or in a plane. */
@@ -67,6 +65,40 @@ static double weight_on(const struct bed *b, const struct bed_side *s, int i) {
     return mine / (mine + others);
 }
 
+/* Sets what `fit` of the cell across a side of cell i is for the difference across it. */
+static void find_back(const struct bed *b, const struct bed_side *s, int i, double fit[MAX_DIM]) {
+    const struct bed_side back = {s->face, s->shape, !s->right, -s->sign};
+    const int other = bed_across(b, s);
+    double to[MAX_DIM];
+    if (b->set.kind[s->face] != BED_INNER || !(b->rub->share[other] > 0)) return;
+    const double w = bed_fit_weight(b, &back, i, to);
+    for (int k = 0; k < b->dim; k++) fit[k] = 0;
+    for (int k = 0, at = 0; k < b->dim; k++)
+        for (int l = k; l < b->dim; l++, at++) {
+            fit[k] += b->rub->inverse[at][other] * w * to[l];
+            if (l != k) fit[l] += b->rub->inverse[at][other] * w * to[k];
+        }
+}
+
+void bed_weigh_askew(const struct bed *b) {
+    const struct bed_friction *r = b->rub;
+    for (int e = 0; e < r->faces; e++) {
+        const struct face_view v = bed_view(b, r->face[e], b->dim);
+        find_parts(b, &v, &r->askew[v.face]);
+    }
+    for (int f = 0; f < b->set.faces; f++)
+        for (int right = 0; right < 2; right++) {
+            const int i = right ? b->set.right[f] : b->set.left[f];
+            const struct bed_side s = {f, b->set.shape[f], right, right ? -1 : 1};
+            if (i >= 0) r->askew[f].on[right] = weight_on(b, &s, i);
+        }
+    for (int i = 0; i < b->set.cells; i++)
+        for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+            const struct bed_side s = bed_side(b, j);
+            find_back(b, &s, i, r->back[j]);
+        }
+}
+
 static bool slips(const struct bed *b, int f) {
     return b->set.kind[f] == BED_WALL && !bed_rubs_at(b, f);
 }
@@ -84,70 +116,71 @@ static void flatten_if_smooth(const struct bed *b, int f, double *a) {
 
 /* Sets u to the velocity on a face: on a wall with friction that of the wall, across one that is not rough of the cell.
  */
-static void find_value(const struct bed *b, int f, double *const *V, double u[MAX_DIM]) {
+ALWAYS_INLINE void find_value(const struct bed *b, int f, double *const *V, struct sizes n, double u[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
     for (int m = 0; m < MAX_DIM; m++) u[m] = 0;
     for (int right = 0; right < 2; right++) {
         const int i = right ? b->set.right[f] : b->set.left[f];
-        const struct bed_side s = {f, b->set.shape[f], right, right ? -1 : 1};
         if (i < 0) continue;
         if (b->set.kind[f] == BED_WALL && !slips(b, f)) {
-            for (int m = 0; m < b->components; m++) u[m] = b->set.wall_speed[m][f] - V[m][i];
+            for (int m = 0; m < n.components; m++) u[m] = b->set.wall_speed[m][f] - V[m][i];
             flatten_if_smooth(b, f, u);
-            for (int m = 0; m < b->components; m++) u[m] += V[m][i];
+            for (int m = 0; m < n.components; m++) u[m] += V[m][i];
             return;
         }
-        const double w = weight_on(b, &s, i);
-        for (int m = 0; m < b->components && w > 0 && r->share[i] > 0; m++) {
+        const double w = r->askew[f].on[right];
+        for (int m = 0; m < n.components && w > 0 && r->share[i] > 0; m++) {
             double at = V[m][i];
-            for (int k = 0; k < b->dim; k++) at += bed_middle(b, right)[k][s.shape] * r->gradient[k][m][i];
+            for (int k = 0; k < n.dim; k++) at += bed_middle(b, right)[k][b->set.shape[f]] * r->gradient[k][m][i];
             u[m] += w * at;
         }
     }
     if (slips(b, f)) flatten(b, f, u);
 }
 
-void bed_gauss_gradients(const struct bed *b, double *const *V) {
+ALWAYS_INLINE void gauss_with(const struct bed *b, double *const *V, struct sizes n) {
     const struct bed_friction *r = b->rub;
     for (int f = 0; f < b->set.faces; f++) {
         double u[MAX_DIM];
-        find_value(b, f, V, u);
-        for (int m = 0; m < b->components; m++) r->value[m][f] = u[m];
+        find_value(b, f, V, n, u);
+        for (int m = 0; m < n.components; m++) r->value[m][f] = u[m];
     }
     for (int i = 0; i < b->set.cells; i++) {
         const double per = 1 / bed_flat_volume(b, i);
         double G[MAX_DIM][MAX_DIM] = {{0}};
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1] && r->share[i] > 0; j++) {
             const struct bed_side s = bed_side(b, j);
-            for (int k = 0; k < b->dim; k++) {
-                const double n = s.sign * per * bed_flat_area(b, s.shape) * b->set.shapes->normal[k][s.shape];
-                for (int m = 0; m < b->components; m++) G[k][m] += n * (r->value[m][s.face] - V[m][i]);
+            for (int k = 0; k < n.dim; k++) {
+                const double An = s.sign * per * bed_flat_area(b, s.shape) * b->set.shapes->normal[k][s.shape];
+                for (int m = 0; m < n.components; m++) G[k][m] += An * (r->value[m][s.face] - V[m][i]);
             }
         }
-        for (int k = 0; k < b->dim; k++)
-            for (int m = 0; m < b->components; m++) r->gradient[k][m][i] = G[k][m];
+        for (int k = 0; k < n.dim; k++)
+            for (int m = 0; m < n.components; m++) r->gradient[k][m][i] = G[k][m];
     }
-    for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, r->gradient[k]);
+    for (int k = 0; k < n.dim; k++) bed_fill(b, n.components, r->gradient[k]);
 }
 
-void bed_look_askew(const struct bed *b, const struct face_view *v, double *const *V, double jump[MAX_DIM],
-                    double mean[MAX_DIM][MAX_DIM]) {
-    const struct parts p = parts_of(b, v);
+void bed_gauss_gradients(const struct bed *b, double *const *V){WITH_SIZES(gauss_with, b, V)}
+
+ALWAYS_INLINE void look_with(const struct bed *b, const struct face_view *v, double *const *V, struct sizes n,
+                             double jump[MAX_DIM], double mean[MAX_DIM][MAX_DIM]) {
+    const struct askew_face p = b->rub->askew[v->face];
     const int cell[2] = {v->left, v->right};
-    for (int m = 0; m < b->components; m++) jump[m] = 0;
+    for (int m = 0; m < n.components; m++) jump[m] = 0;
     for (int side = 0; side < 2; side++) {
         const double sign = side ? 1 : -1;
         if (cell[side] < 0) { /* a wall, relative to its cell */
-            for (int m = 0; m < b->components; m++)
+            for (int m = 0; m < n.components; m++)
                 jump[m] += sign * (b->set.wall_speed[m][v->face] - V[m][cell[!side]]);
             continue;
         }
         if (cell[!side] < 0) continue;
-        for (int m = 0; m < b->components; m++) jump[m] += sign * V[m][cell[side]];
+        for (int m = 0; m < n.components; m++) jump[m] += sign * V[m][cell[side]];
     }
     flatten_if_smooth(b, v->face, jump);
-    for (int k = 0; k < b->dim; k++)
-        for (int m = 0; m < b->components; m++) {
+    for (int k = 0; k < n.dim; k++)
+        for (int m = 0; m < n.components; m++) {
             mean[k][m] = 0;
             for (int side = 0; side < 2; side++) {
                 if (cell[side] < 0) continue;
@@ -158,39 +191,47 @@ void bed_look_askew(const struct bed *b, const struct face_view *v, double *cons
         }
 }
 
+void bed_look_askew(const struct bed *b, const struct face_view *v, double *const *V, double jump[MAX_DIM],
+                    double mean[MAX_DIM][MAX_DIM]) {
+    if (b->dim == 2 && b->components == 2)
+        look_with(b, v, V, (struct sizes){2, 2}, jump, mean);
+    else
+        look_with(b, v, V, (struct sizes){b->dim, b->components}, jump, mean);
+}
+
 /* ---- the adjoint ---- */
 
 /* Returns tau'[k][m] of a face. */
-static double tensor_at(const struct bed *b, int f, int k, int m) {
+ALWAYS_INLINE double tensor_at(const struct bed *b, int f, struct sizes n, int k, int m) {
     const int i = k < m ? k : m, j = k < m ? m : k;
-    return b->rub->tensor[i * b->components - i * (i - 1) / 2 + j - i][f];
+    return b->rub->tensor[i * n.components - i * (i - 1) / 2 + j - i][f];
 }
 
 /* Sets `gradient` to -dW/dG over V, in cells. */
-static void find_backs(const struct bed *b) {
+ALWAYS_INLINE void find_backs(const struct bed *b, struct sizes n) {
     const struct bed_friction *r = b->rub;
     for (int i = 0; i < b->set.cells; i++) {
-        const double per = 1 / (b->dim * bed_flat_volume(b, i));
+        const double per = 1 / (n.dim * bed_flat_volume(b, i));
         double B[MAX_DIM][MAX_DIM] = {{0}};
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1] && r->share[i] > 0; j++) {
             const struct bed_side s = bed_side(b, j);
             if (r->part[s.face] == 0) continue;
-            const struct face_view v = bed_view(b, s.face, b->dim);
-            const struct parts p = parts_of(b, &v);
+            const struct face_view v = bed_view(b, s.face, n.dim);
+            const struct askew_face p = r->askew[s.face];
             const double A = per * b->set.shapes->area[s.shape];
-            for (int k = 0; k < b->dim; k++)
-                for (int m = 0; m < b->components; m++)
-                    B[k][m] -= A * (v.depth * p.w[s.right] * tensor_at(b, s.face, k, m) -
+            for (int k = 0; k < n.dim; k++)
+                for (int m = 0; m < n.components; m++)
+                    B[k][m] -= A * (v.depth * p.w[s.right] * tensor_at(b, s.face, n, k, m) -
                                     p.c[s.right][k] * r->traction[m][s.face]);
         }
-        for (int k = 0; k < b->dim; k++)
-            for (int m = 0; m < b->components; m++) r->gradient[k][m][i] = B[k][m];
+        for (int k = 0; k < n.dim; k++)
+            for (int m = 0; m < n.components; m++) r->gradient[k][m][i] = B[k][m];
     }
-    for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, r->gradient[k]);
+    for (int k = 0; k < n.dim; k++) bed_fill(b, n.components, r->gradient[k]);
 }
 
 /* Sets `value` to -dW/du of faces. */
-static void find_forces(const struct bed *b) {
+ALWAYS_INLINE void find_forces(const struct bed *b, struct sizes n) {
     const struct bed_friction *r = b->rub;
     for (int f = 0; f < b->set.faces; f++) {
         const int shape = b->set.shape[f];
@@ -198,97 +239,102 @@ static void find_forces(const struct bed *b) {
         for (int right = 0; right < 2; right++) {
             const int i = right ? b->set.right[f] : b->set.left[f];
             if (i < 0 || !(r->share[i] > 0)) continue;
-            for (int k = 0; k < b->dim; k++)
-                for (int m = 0; m < b->components; m++)
+            for (int k = 0; k < n.dim; k++)
+                for (int m = 0; m < n.components; m++)
                     y[m] += (right ? -1 : 1) * bed_flat_area(b, shape) * b->set.shapes->normal[k][shape] *
                             r->gradient[k][m][i];
         }
         if (r->hoop && r->part[f] > 0)
             y[b->set.shapes->round->radial] -=
-                bed_view(b, f, b->dim).depth / b->dim * bed_flat_area(b, shape) * r->hoop[f];
-        for (int m = 0; m < b->components; m++) r->value[m][f] = y[m];
+                bed_view(b, f, n.dim).depth / n.dim * bed_flat_area(b, shape) * r->hoop[f];
+        for (int m = 0; m < n.components; m++) r->value[m][f] = y[m];
     }
 }
 
 /* Sets `gradient` to -dW/dG of the gradients that faces are extrapolated with. */
-static void find_slants(const struct bed *b) {
+ALWAYS_INLINE void find_slants(const struct bed *b, struct sizes n) {
     const struct bed_friction *r = b->rub;
     for (int i = 0; i < b->set.cells; i++) {
         double P[MAX_DIM][MAX_DIM] = {{0}};
         for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1] && r->share[i] > 0; j++) {
             const struct bed_side s = bed_side(b, j);
-            const double w = weight_on(b, &s, i);
+            const double w = r->askew[s.face].on[s.right];
             double y[MAX_DIM];
-            for (int m = 0; m < b->components; m++) y[m] = w * r->value[m][s.face];
+            for (int m = 0; m < n.components; m++) y[m] = w * r->value[m][s.face];
             if (slips(b, s.face)) flatten(b, s.face, y);
-            for (int k = 0; k < b->dim; k++)
-                for (int m = 0; m < b->components; m++) P[k][m] += bed_middle(b, s.right)[k][s.shape] * y[m];
+            for (int k = 0; k < n.dim; k++)
+                for (int m = 0; m < n.components; m++) P[k][m] += bed_middle(b, s.right)[k][s.shape] * y[m];
         }
-        for (int k = 0; k < b->dim; k++)
-            for (int m = 0; m < b->components; m++) r->gradient[k][m][i] = P[k][m];
+        for (int k = 0; k < n.dim; k++)
+            for (int m = 0; m < n.components; m++) r->gradient[k][m][i] = P[k][m];
     }
-    for (int k = 0; k < b->dim; k++) bed_fill(b, b->components, r->gradient[k]);
+    for (int k = 0; k < n.dim; k++) bed_fill(b, n.components, r->gradient[k]);
 }
 
-void bed_find_pull(const struct bed *b) {
-    find_backs(b);
-    find_forces(b);
-    find_slants(b);
+ALWAYS_INLINE void find_pull_with(const struct bed *b, double *const *V, struct sizes n) {
+    (void)V;
+    find_backs(b, n);
+    find_forces(b, n);
+    find_slants(b, n);
 }
+
+void bed_find_pull(const struct bed *b){WITH_SIZES(find_pull_with, b, NULL)}
 
 /* Adds what acts on a cell by the velocity of one of its faces. */
-static void pull_by_value(const struct bed *b, const struct bed_side *s, int i, double force[MAX_DIM]) {
+ALWAYS_INLINE
+    void pull_by_value(const struct bed *b, const struct bed_side *s, int i, struct sizes n, double force[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
     double y[MAX_DIM], flat[MAX_DIM];
-    for (int m = 0; m < b->components; m++) y[m] = flat[m] = r->value[m][s->face];
+    for (int m = 0; m < n.components; m++) y[m] = flat[m] = r->value[m][s->face];
     flatten_if_smooth(b, s->face, flat);
-    for (int m = 0; m < b->components; m++) {
+    for (int m = 0; m < n.components; m++) {
         if (b->set.kind[s->face] == BED_WALL)
             force[m] += slips(b, s->face) ? flat[m] : y[m] - flat[m];
         else if (r->share[i] > 0)
-            force[m] += weight_on(b, s, i) * y[m];
+            force[m] += r->askew[s->face].on[s->right] * y[m];
     }
 }
 
 /* Adds what acts on a cell by the gradients that it has a part in across a side. */
-static void pull_by_fit(const struct bed *b, const struct bed_side *s, int entry, int i, double force[MAX_DIM]) {
+ALWAYS_INLINE void pull_by_fit(const struct bed *b, const struct bed_side *s, int entry, int i, struct sizes n,
+                               double force[MAX_DIM]) {
     const struct bed_friction *r = b->rub;
-    double own[MAX_DIM] = {0}, to[MAX_DIM], fit[MAX_DIM] = {0};
-    for (int k = 0; k < b->dim && r->share[i] > 0; k++)
-        for (int m = 0; m < b->components; m++) own[m] += r->fit[k][entry] * r->gradient[k][m][i];
+    double own[MAX_DIM] = {0};
+    for (int k = 0; k < n.dim && r->share[i] > 0; k++)
+        for (int m = 0; m < n.components; m++) own[m] += r->fit[k][entry] * r->gradient[k][m][i];
     if (slips(b, s->face)) { /* the change there is -2 n (u.n) */
         const double along = bed_along(b, b->set.shapes->normal, s->shape, own);
-        for (int k = 0; k < b->dim; k++) force[k] -= 2 * along * b->set.shapes->normal[k][s->shape];
+        for (int k = 0; k < n.dim; k++) force[k] -= 2 * along * b->set.shapes->normal[k][s->shape];
         return;
     }
     if (b->set.kind[s->face] > BED_WALL) return;
     flatten_if_smooth(b, s->face, own);
-    for (int m = 0; m < b->components; m++) force[m] -= own[m];
+    for (int m = 0; m < n.components; m++) force[m] -= own[m];
     if (b->set.kind[s->face] != BED_INNER) return;
     const int other = bed_across(b, s);
-    const struct bed_side back = {s->face, s->shape, !s->right, -s->sign};
     if (!(r->share[other] > 0)) return;
-    const double w = bed_fit_weight(b, &back, i, to);
-    for (int k = 0, at = 0; k < b->dim; k++)
-        for (int l = k; l < b->dim; l++, at++) {
-            fit[k] += r->inverse[at][other] * w * to[l];
-            if (l != k) fit[l] += r->inverse[at][other] * w * to[k];
-        }
-    for (int k = 0; k < b->dim; k++)
-        for (int m = 0; m < b->components; m++) force[m] += fit[k] * r->gradient[k][m][other];
+    for (int k = 0; k < n.dim; k++)
+        for (int m = 0; m < n.components; m++) force[m] += r->back[entry][k] * r->gradient[k][m][other];
+}
+
+ALWAYS_INLINE void pull_with(const struct bed *b, int i, struct sizes n, double force[MAX_DIM]) {
+    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
+        const struct bed_side s = bed_side(b, j);
+        const double A = s.sign * b->set.shapes->area[s.shape] / n.dim;
+        double t[MAX_DIM];
+        for (int m = 0; m < n.components; m++) t[m] = b->rub->part[s.face] > 0 ? A * b->rub->traction[m][s.face] : 0;
+        flatten_if_smooth(b, s.face, t);
+        for (int m = 0; m < n.components; m++) force[m] += t[m];
+        pull_by_value(b, &s, i, n, force);
+        pull_by_fit(b, &s, j, i, n, force);
+    }
 }
 
 void bed_pull(const struct bed *b, int i, double force[MAX_DIM]) {
-    for (int j = b->set.face_start[i]; j < b->set.face_start[i + 1]; j++) {
-        const struct bed_side s = bed_side(b, j);
-        const double A = s.sign * b->set.shapes->area[s.shape] / b->dim;
-        double t[MAX_DIM];
-        for (int m = 0; m < b->components; m++) t[m] = b->rub->part[s.face] > 0 ? A * b->rub->traction[m][s.face] : 0;
-        flatten_if_smooth(b, s.face, t);
-        for (int m = 0; m < b->components; m++) force[m] += t[m];
-        pull_by_value(b, &s, i, force);
-        pull_by_fit(b, &s, j, i, force);
-    }
+    if (b->dim == 2 && b->components == 2)
+        pull_with(b, i, (struct sizes){2, 2}, force);
+    else
+        pull_with(b, i, (struct sizes){b->dim, b->components}, force);
 }
 
 /* Sets a to its part that a wall bears: all of it on a rough one, that along a wall with `muWall`, that across one that

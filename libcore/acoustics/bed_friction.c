@@ -507,7 +507,10 @@ status bed_rub(struct bed *b, double dt, const double gravity[MAX_DIM], bool dri
     find_state(b, gravity);
     list_faces(b);
     for (int i = 0; i < b->set.cells; i++) bed_fit_cell(b, i);
-    if (!b->set.shapes->boxes) bed_fill(b, bed_tensors(b->dim), r->inverse);
+    if (!b->set.shapes->boxes) {
+        bed_fill(b, bed_tensors(b->dim), r->inverse);
+        bed_weigh_askew(b);
+    }
     if (driven)
         find_drive(b, dt, gravity);
     else

@@ -7,6 +7,11 @@
 
 enum { TENSOR = 6, LINES = 3 };
 
+struct askew_face {             /* of the left and the right cell of a face (bed_adjoint.c) */
+    double w[2], c[2][MAX_DIM]; /* the part of G on the face, and m: what is taken from the jump */
+    double on[2];               /* weight of the cell's extrapolation in the velocity of the face */
+};
+
 struct bed_friction {
     int tensors; /* numbers of a stress */
     /* [cells + ghosts] s, pressure, share of what is held; dt F/rho and its friction: gains of velocity */
@@ -21,9 +26,11 @@ struct bed_friction {
     /* Meshes other than boxes (bed_adjoint.c), else NULL: [cells + ghosts] the matrices of `fit`, in rows of the
      * upper half; [faces] velocity, then the force on it; tau' in a stage */
     double *inverse[TENSOR], *value[MAX_DIM], *tensor[TENSOR], *mean[LINES][TENSOR]; /* mean: of the stages, for heat */
-    int last;                                                                        /* line of the result */
-    int *face, faces;                                                                /* those with friction */
-    double *cells, *sides, *of_faces, *askew_cells, *askew_faces;                    /* the memory of the lines */
+    struct askew_face *askew;                                                        /* [faces] */
+    double (*back)[MAX_DIM]; /* [sides] what `fit` of the cell across is for the difference across the side */
+    int last;                /* line of the result */
+    int *face, faces;        /* those with friction */
+    double *cells, *sides, *of_faces, *askew_cells, *askew_faces; /* the memory of the lines */
     struct arrays arrays;
 };
 
@@ -129,6 +136,7 @@ void bed_find_gradients(const struct bed *b, double *const *V);
 /* Meshes other than boxes (bed_adjoint.c): turn the gradients that are exact for linear velocities into those by
  * Gauss's theorem; find the jump and the gradient on a face; after `tensor` and `traction` are known, make ready for
  * and find the force (N, over the common factor) of friction on a cell. */
+void bed_weigh_askew(const struct bed *b); /* finds `askew` and `back`, which hold as long as the shares of cells do */
 void bed_gauss_gradients(const struct bed *b, double *const *V);
 void bed_look_askew(const struct bed *b, const struct face_view *v, double *const *V, double jump[MAX_DIM],
                     double mean[MAX_DIM][MAX_DIM]);

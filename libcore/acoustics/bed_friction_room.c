@@ -14,6 +14,8 @@ static status make_askew(const struct bed *b, struct bed_friction *r) {
     const long cells = (long)s->cells + s->ghosts;
     TRY(ARRAYS_GROW(&r->arrays, r->askew_cells, bed_tensors(b->dim) * cells));
     TRY(ARRAYS_GROW(&r->arrays, r->askew_faces, (long)(b->components + (1 + LINES) * r->tensors) * s->faces));
+    TRY(ARRAYS_GROW(&r->arrays, r->askew, s->faces));
+    TRY(ARRAYS_GROW(&r->arrays, r->back, s->face_start[s->cells]));
     double *at = r->askew_cells;
     for (int i = 0; i < bed_tensors(b->dim); i++) at = cut(at, cells, &r->inverse[i]);
     at = r->askew_faces;

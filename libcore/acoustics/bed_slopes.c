@@ -106,9 +106,11 @@ static double value_across(const struct bed *b, const struct around *a, int j, i
 }
 
 /* Returns the share at which a reach stays between least <= 0 and most >= 0, if it is below `share`, which is at most
- * 1; without a condition on the reach, which no processor foresees. */
-static double bound(double reach, double least, double most, double share) {
-    return smaller((reach > 0 ? most : least) / reach, share);
+ * 1; without a condition on the reach, which no processor foresees. NONE: a reach of 0 has no bound. */
+#define NONE 0x1p-1000
+ALWAYS_INLINE double bound(double reach, double least, double most, double share) {
+    const double bounded = reach > 0 ? most : -least;
+    return smaller((bounded + NONE) / (fabs(reach) + NONE), share);
 }
 
 ALWAYS_INLINE void slope_of_cell(struct bed *b, int dim, const struct around *a, double *const *of, int v, int i,

@@ -442,9 +442,24 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
 }
 
 /* The sides that a cell lacks beside others of its chunk count 0, which changes no bit, as no sum is ever -0. */
+ALWAYS_INLINE void sum_rows(int rows, int n, const int (*restrict side)[BATCH], const int (*restrict number)[BATCH],
+                            const double *restrict flux, const double *restrict inverse, double *restrict out) {
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        UNROLL
+        for (int j = 0; j < rows; j++) {
+            const double q = flux[number[j][i]];
+            sum += side[j][i] < 0 ? q : -q;
+        }
+        out[i] = sum * inverse[i];
+    }
+}
 KERNEL static void sum_sides(int rows, int n, const int (*restrict side)[BATCH], const int (*restrict number)[BATCH],
                              const double *restrict flux, const double *restrict inverse, double *restrict out) {
     double sum[BATCH];
+    if (rows == 3) sum_rows(3, n, side, number, flux, inverse, out);
+    if (rows == 4) sum_rows(4, n, side, number, flux, inverse, out);
+    if (rows == 3 || rows == 4) return;
     for (int i = 0; i < BATCH; i++) sum[i] = 0;
     for (int j = 0; j < rows; j++)
         for (int i = 0; i < BATCH; i++) {
