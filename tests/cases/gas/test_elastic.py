@@ -17,7 +17,7 @@ class Elastic(harness.Folder, unittest.TestCase):
     def vortex(self, smooth, ranks=1):
         """rho of the vortex at the end, and at the start, which is the exact solution."""
         case = harness.copy("vortex", self.folder)
-        harness.mesh(case, 40)
+        harness.mesh(case, 60)
         with open(os.path.join(case, "system", "fvSchemes"), "a", encoding="utf-8") as file:
             file.write(f"commonCoeffs {{ smooth {smooth}; }}\n")
         done = harness.run(case, ranks=ranks)
