@@ -26,6 +26,31 @@ static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
     s->bad += move_row(s->g, &(struct moved){s->what, {s->tile, at, n}, s->Y0, s->E, s->to, s->dt, M});
 }
 
+ALWAYS_INLINE void ask_for(int n, const double *row) {
+    for (int i = 0; i < n; i += 8) __builtin_prefetch(row + i);
+}
+
+/* Asks memory for what the row after the one at `at` reads for the first time. In 3D the sweep reads so many lines side
+ * by side that the processor alone asks for them too late. */
+ALWAYS_INLINE void ask_for_next(const struct sweep *s, int dim, int lines, long at) {
+    const struct forest *f = s->g->forest;
+    const struct diffuser *d = s->g->tiles->diffuser;
+    const int n = f->tile[s->tile].n[0];
+    if (dim < 3) return;
+    at += f->stride[1];
+    for (int axis = 0; axis < dim; axis++) {
+        const double *face = d->face[s->tile] + FACE_LINES * axis * f->size + at + (axis ? f->stride[axis] : 0);
+        for (int c = lines > 1 ? NORMAL : CONDUCTION; c <= (lines > 1 ? SHEAR : CONDUCTION); c++)
+            ask_for(n, face + c * f->size);
+    }
+    for (int v = 0; v < lines; v++) {
+        ask_for(n, s->S + v * f->size + at + f->stride[1] + f->stride[2]);
+        ask_for(n, s->next + v * f->size + at);
+        ask_for(n, d->start[s->tile] + v * f->size + at);
+    }
+    ask_for(n, d->light[s->tile] + at);
+}
+
 /* The heat that conduction brings to a cell, at which the lines stand. Terms that a swap of axes or a mirror exchanges
  * are added without fma. */
 ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
@@ -66,6 +91,7 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
             const double *friction = s->g->diffusion.friction[s->tile] + at;
             const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + at, s->S + at,
                                           s->next + at};
+            ask_for_next(s, dim, 1, at);
             if (turn)
                 turn_heat(s->g, vectors, turn + at, face, friction, &row, s->c ? NULL : M[0]);
             else if (s->c)
@@ -312,6 +338,7 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
             const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
+            ask_for_next(s, dim, m, at);
             double *here = gradient[j & 1], *next = gradient[(j + 1) & 1], (*low)[LINE] = y[j & 1],
                    (*high)[LINE] = y[(j + 1) & 1];
             if (j >= 0)
