@@ -26,31 +26,6 @@ static void end_row(struct sweep *s, long at, int n, double (*M)[BATCH]) {
     s->bad += move_row(s->g, &(struct moved){s->what, {s->tile, at, n}, s->Y0, s->E, s->to, s->dt, M});
 }
 
-ALWAYS_INLINE void ask_for(int n, const double *row) {
-    for (int i = 0; i < n; i += 8) __builtin_prefetch(row + i);
-}
-
-/* Asks memory for what the row after the one at `at` reads for the first time. In 3D the sweep reads so many lines side
- * by side that the processor alone asks for them too late. */
-ALWAYS_INLINE void ask_for_next(const struct sweep *s, int dim, int lines, long at) {
-    const struct forest *f = s->g->forest;
-    const struct diffuser *d = s->g->tiles->diffuser;
-    const int n = f->tile[s->tile].n[0];
-    if (dim < 3) return;
-    at += f->stride[1];
-    for (int axis = 0; axis < dim; axis++) {
-        const double *face = d->face[s->tile] + FACE_LINES * axis * f->size + at + (axis ? f->stride[axis] : 0);
-        for (int c = lines > 1 ? NORMAL : CONDUCTION; c <= (lines > 1 ? SHEAR : CONDUCTION); c++)
-            ask_for(n, face + c * f->size);
-    }
-    for (int v = 0; v < lines; v++) {
-        ask_for(n, s->S + v * f->size + at + f->stride[1] + f->stride[2]);
-        ask_for(n, s->next + v * f->size + at);
-        ask_for(n, d->start[s->tile] + v * f->size + at);
-    }
-    ask_for(n, d->light[s->tile] + at);
-}
-
 /* The heat that conduction brings to a cell, at which the lines stand. Terms that a swap of axes or a mirror exchanges
  * are added without fma. */
 ALWAYS_INLINE double heat_gain(int dim, const long *stride, long size, const double *face, const double *S) {
@@ -91,7 +66,6 @@ ALWAYS_INLINE void heat_sweep(struct sweep *s, int dim, bool round) {
             const double *friction = s->g->diffusion.friction[s->tile] + at;
             const struct stage_row row = {s->c, d->light[s->tile] + at, d->start[s->tile] + at, s->S + at,
                                           s->next + at};
-            ask_for_next(s, dim, 1, at);
             if (turn)
                 turn_heat(s->g, vectors, turn + at, face, friction, &row, s->c ? NULL : M[0]);
             else if (s->c)
@@ -322,6 +296,31 @@ ALWAYS_INLINE void faces_above(const struct sweep *s, int m, bool ends, bool pla
     if (k < 0) row_gradients(s, 3, 2, j, k, NULL, low);
     row_gradients(s, 3, 2, j, k + 1, NULL, high);
     viscous_faces(3, m, ends, f->size, stress_row(s, 2, plain, top, (k < 0 ? low : here) + EDGE, high + EDGE, out));
+}
+
+ALWAYS_INLINE void ask_for(int n, const double *row) {
+    for (int i = 0; i < n; i += 8) __builtin_prefetch(row + i);
+}
+
+/* Asks memory for what the row after the one at `at` reads for the first time. So many lines are read side by
+ * side in 3D that the processor alone asks for them too late. */
+ALWAYS_INLINE void ask_for_next(const struct sweep *s, int dim, int m, long at) {
+    const struct forest *f = s->g->forest;
+    const struct diffuser *d = s->g->tiles->diffuser;
+    const int n = f->tile[s->tile].n[0];
+    if (dim < 3) return;
+    at += f->stride[1];
+    for (int axis = 0; axis < dim; axis++) {
+        const double *face = d->face[s->tile] + FACE_LINES * axis * f->size + at + (axis ? f->stride[axis] : 0);
+        ask_for(n, face + NORMAL * f->size);
+        ask_for(n, face + SHEAR * f->size);
+    }
+    for (int v = 0; v < m; v++) {
+        ask_for(n, s->S + v * f->size + at + f->stride[1] + f->stride[2]);
+        ask_for(n, s->next + v * f->size + at);
+        ask_for(n, d->start[s->tile] + v * f->size + at);
+    }
+    ask_for(n, d->light[s->tile] + at);
 }
 
 /* The gradients of a row, and the faces below it along axis 1, serve two rows each, so two buffers take odd and even
