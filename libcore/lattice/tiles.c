@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-_Static_assert((int)MAX_VAR <= (int)FILL_VARIABLES && MAX_DIM * (MAX_DIM - 1) <= (int)FILL_VARIABLES,
+_Static_assert((int)MAX_VAR <= (int)FILL_VARIABLES && 2 * (MAX_DIM - 1) <= (int)FILL_VARIABLES,
                "a ghost fill of the forest has no room for the state or for derivatives");
 
 status blocks_make(const struct forest *f, int nvar, double ***out) {

@@ -298,6 +298,31 @@ ALWAYS_INLINE void faces_above(const struct sweep *s, int m, bool ends, bool pla
     viscous_faces(3, m, ends, f->size, stress_row(s, 2, plain, top, (k < 0 ? low : here) + EDGE, high + EDGE, out));
 }
 
+ALWAYS_INLINE void ask_for(int n, const double *row) {
+    for (int i = 0; i < n; i += 8) __builtin_prefetch(row + i);
+}
+
+/* Asks memory for what the row after the one at `at` reads for the first time. So many lines are read side by
+ * side in 3D that the processor alone asks for them too late. */
+ALWAYS_INLINE void ask_for_next(const struct sweep *s, int dim, int m, long at) {
+    const struct forest *f = s->g->forest;
+    const struct diffuser *d = s->g->tiles->diffuser;
+    const int n = f->tile[s->tile].n[0];
+    if (dim < 3) return;
+    at += f->stride[1];
+    for (int axis = 0; axis < dim; axis++) {
+        const double *face = d->face[s->tile] + FACE_LINES * axis * f->size + at + (axis ? f->stride[axis] : 0);
+        ask_for(n, face + NORMAL * f->size);
+        ask_for(n, face + SHEAR * f->size);
+    }
+    for (int v = 0; v < m; v++) {
+        ask_for(n, s->S + v * f->size + at + f->stride[1] + f->stride[2]);
+        ask_for(n, s->next + v * f->size + at);
+        ask_for(n, d->start[s->tile] + v * f->size + at);
+    }
+    ask_for(n, d->light[s->tile] + at);
+}
+
 /* The gradients of a row, and the faces below it along axis 1, serve two rows each, so two buffers take odd and even
  * rows in turn; faces along axis 2 serve two planes, and two buffers take odd and even planes. */
 ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, bool plain, bool round) {
@@ -312,6 +337,7 @@ ALWAYS_INLINE void viscous_sweep(struct sweep *s, int dim, int m, bool ends, boo
     for (int k = 0; k < n[2]; k++)
         for (int j = dim > 1 ? -1 : 0; j < n[1]; j++) {
             const long at = f->first + j * stride[1] + k * stride[2], above = at + stride[1];
+            ask_for_next(s, dim, m, at);
             double *here = gradient[j & 1], *next = gradient[(j + 1) & 1], (*low)[LINE] = y[j & 1],
                    (*high)[LINE] = y[(j + 1) & 1];
             if (j >= 0)
