@@ -86,7 +86,7 @@ static status print_scheme(const struct comm *c, int dim, const struct flux *flu
     struct forest *f;
     struct gas *g;
     uint64_t sum = 0;
-    int n[3] = {dim == 1 ? 100 : dim == 2 ? 22 : 14, dim == 1 ? 1 : dim == 2 ? 18 : 13, dim > 2 ? 13 : 1};
+    int n[3] = {dim == 1 ? 100 : dim == 2 ? 22 : 14, dim == 1 ? 1 : dim == 2 ? 18 : 7, dim > 2 ? 6 : 1};
     TRY(box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, true, true}));
     struct gas_models m = models_of(flux);
     m.reconstruct = r;
@@ -150,7 +150,7 @@ static status print_diffusion(const struct comm *c, int dim, bool spheres, const
     struct forest *f;
     struct gas *g;
     uint64_t sum = 0;
-    int n[3] = {dim == 1 ? 100 : dim == 2 ? 22 : 14, dim == 1 ? 1 : dim == 2 ? 18 : 13, dim > 2 ? 13 : 1};
+    int n[3] = {dim == 1 ? 100 : dim == 2 ? 22 : 14, dim == 1 ? 1 : dim == 2 ? 18 : 7, dim > 2 ? 6 : 1};
     struct patch_rules walls[6];
     viscous_walls(spheres, walls);
     TRY(box_make(&box, dim, n, (double[3]){1, 1, 1}, (bool[3]){true, false, false}));

@@ -533,7 +533,8 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
     /* minDeltaTFraction; the first state may be dense already: its own time step is no collapse */
     const double fraction = o->fraction * (speed.loose > 0 ? speed.loose / speed.rate : 1);
     const double fall = fall_of(s);
-    const int cap = o->cap * (s->problem->patience ? s->problem->patience : 1);
+    int cap = o->cap * (s->problem->patience ? s->problem->patience : 1);
+    if (o->most && o->most < cap) cap = o->most;
     out->least = 1;
     questions = 2000 + 4 * cap;
     gas_heed(g, worked_enough);

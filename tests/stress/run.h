@@ -10,7 +10,8 @@ struct scheme { /* of a lattice and of polyhedra */
     double courant;
 };
 struct run_options {
-    int cap;         /* steps at most */
+    int cap;         /* steps at most, times the patience of the problem */
+    int most;        /* steps at most of any problem; 0: no such bound */
     double fraction; /* minDeltaTFraction */
     bool bare;       /* the engine as it is: nothing is checked but the last state */
     bool full;       /* uniform regions are computed, too */

@@ -12,7 +12,7 @@
 static const char usage[] =
     "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare] "
     "[-full] [-explicit] [-views]\n"
-    "       [-cap STEPS] [-fraction F] [-verbose] [-names]\n"
+    "       [-cap STEPS] [-most STEPS] [-fraction F] [-verbose] [-names]\n"
     "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
     "one\n"
     "  fails; S is default, or flux/reconstruct/polynomial/timeScheme/maxCo\n";
@@ -71,6 +71,8 @@ static bool parse(int argc, char **argv, struct request *r) {
             r->schemes = atol(next);
         else if (!strcmp(a, "-cap"))
             r->run.cap = atoi(next);
+        else if (!strcmp(a, "-most"))
+            r->run.most = atoi(next);
         else if (!strcmp(a, "-fraction"))
             r->run.fraction = atof(next);
         else if (!strcmp(a, "-list"))
