@@ -17,9 +17,9 @@ static const float EPSILON = 1e-4F;
 static const double OVER = 0.2;     /* how far CWENO3 may leave the range of its stencil, in units of that range */
 static const double TINY = 1e-300;  /* keeps 0/0 away, in any unit */
 static const double SHORT = 1e-150; /* the same, its square is one */
-static const float FAR = 1e9F;      /* bounds the ratios of the weights of sectors: their squares stay finite */
+static const float FAR = 1e18F;     /* bounds the ratios in the weights of sectors: their squares stay finite */
 static const float LITTLE = 1e-30F; /* the same in single precision */
-static const double NEAR = 1e-9;    /* the least scale of sectors, over the changes: so do the squares of these */
+static const double NEAR = 1e-15;   /* the least scale of sectors, over the changes: so do the squares of these */
 /* Share of an average's distance that is more than KEPT by any round-off: what is surely kept is kept. */
 static const double SURE = 1.001 * KEPT;
 
