@@ -71,8 +71,9 @@ static int walk(const struct links *l, int *marks, int start, int mark, int othe
     return in;
 }
 
-/* Numbers my cells, those that wait last, in the order of walks through each part of them that hangs together. A walk
- * starts at the end of another one, at the rim: so the neighbours of a cell stand little before or behind it. */
+/* Numbers my cells, those that wait last, level by level, in the order of walks through each part of them that hangs
+ * together. A walk starts at the end of another one, at the rim: so the neighbours of a cell stand little before or
+ * behind it. */
 static status number_mine(struct polyhedra *m, struct work *w) {
     int *order, n = 0, first = 0;
     TRY(allocate(&order, m->nown, sizeof *order, "the cells"));
@@ -82,8 +83,9 @@ static status number_mine(struct polyhedra *m, struct work *w) {
             first += walk(&w->links, w->local, order[last], WALKED, ORDERED, order + first);
         }
     for (int waits = 0; waits < 2; waits++) {
-        for (int k = 0; k < m->nown; k++)
-            if (w->waits[order[k]] == waits) m->cell[n++] = order[k];
+        for (int level = 0; level == 0 || level < w->nlevels; level++)
+            for (int k = 0; k < m->nown; k++)
+                if (w->waits[order[k]] == waits && (!w->level || w->level[order[k]] == level)) m->cell[n++] = order[k];
         if (!waits) m->ninner = n;
     }
     free(order);
@@ -370,6 +372,12 @@ static status make(const struct polymesh *mesh, const struct comm *c, int rings,
 
 status polyhedra_make(const struct polymesh *mesh, const struct comm *c, int rings, struct polyhedra **out) {
     struct work w = {.spread = NULL};
+    return make(mesh, c, rings, &w, out);
+}
+
+status polyhedra_make_levels(const struct polymesh *mesh, const struct comm *c, int rings, int nlevels,
+                             const int *level, struct polyhedra **out) {
+    struct work w = {.nlevels = nlevels, .level = level};
     return make(mesh, c, rings, &w, out);
 }
 

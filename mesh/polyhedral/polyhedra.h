@@ -120,6 +120,11 @@ struct polyhedra {
  * coefficients (without the constant), or the mesh ends. Quadrature is of order 1 for rings 1, 3 for rings 2. Refuses
  * (ERR_INPUT, with cell or face and place) a mesh that finite volumes cannot use. Collective. */
 status polyhedra_make(const struct polymesh *m, const struct comm *c, int rings, struct polyhedra **out);
+/* Makes the same with the inner cells in the order of level[ncells_all], 0 .. nlevels - 1, in the order of above within
+ * a level. As faces stand in the order of their higher cell, the faces of the cells from any level on are the last
+ * ones, too: of the local faces, and of each patch. Collective. */
+status polyhedra_make_levels(const struct polymesh *m, const struct comm *c, int rings, int nlevels, const int *level,
+                             struct polyhedra **out);
 /* Makes the same of a mesh that is spread over the ranks; m is its outline. *part gets the cells of this rank and those
  * around them that stencils take; the caller frees it, also after an error. Collective. */
 struct spread;

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What local time steps in powers of two could save, counted from the written times of a run on any mesh of the solver.
 
-    tests/bench/localSteps.py CASE [-times 0.1 0.3] [-most 5] [-rings 3]
+    tests/bench/localSteps/count.py CASE [-times 0.1 0.3] [-most 5] [-rings 3]
 
 The limit of a cell is the rate sum_k |u_k| girth_k + c total_girth, as libcore/polyhedral/cells.c has it. A cell of level l takes steps of
 2^l times the shortest one. Levels of neighbours across a face differ by 1 at most. Printed for each time: the cells of each level, and the
@@ -12,16 +12,22 @@ work of equal steps over that of local steps,
     cells    at its level
     faces    each face at the lower level of its two cells: fluxes
     rings R  a step of a level also computes R rings of cells around the cells of this level: stages without a predictor
+    size, rate  all of BATCH cells at the lowest of their levels, where cells stand in the order of their size, or of this rate
 """
 import argparse
 import os
 import sys
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import breadth_first_order
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../postprocessing"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../postprocessing"))
 from haff.case.case import Case  # noqa: E402
 from studies.exact import eos  # noqa: E402
+
+
+BATCH = 32  # cells that are fitted together
 
 
 class Cells:
@@ -46,6 +52,24 @@ class Cells:
         wider[self.left] |= inside[self.right]
         wider[self.right] |= inside[self.left]
         return wider
+
+    def walk(self):
+        """The place of each cell in a walk from neighbour to neighbour, breadth first."""
+        links = coo_matrix((np.ones(len(self.left)), (self.left, self.right)), shape=(self.n, self.n))
+        place = np.empty(self.n, int)
+        place[breadth_first_order(links, 0, directed=False, return_predecessors=False)] = np.arange(self.n)
+        return place
+
+    def batched(self, level, key):
+        """Levels lowered until batches of cells, in the order of a key and of the walk, have one level each."""
+        batch = np.empty(self.n, int)
+        batch[np.lexsort((self.walk(), key))] = np.arange(self.n) // BATCH
+        while True:
+            lowest = np.full(batch.max() + 1, level.max())
+            np.minimum.at(lowest, batch, level)
+            before, level = level, self.graded(lowest[batch])
+            if (level == before).all():
+                return level
 
     def graded(self, level):
         """Levels lowered until neighbours differ by 1 at most."""
@@ -82,9 +106,11 @@ def count(cells, rate, most, rings):
     plain = np.minimum(np.floor(np.log2(slack)).astype(int), most)
     level = cells.graded(plain)
     lower = np.minimum(level[cells.left], level[cells.right])
+    batched = [cells.batched(level, np.floor(key)) for key in (4 * np.log2(cells.total), np.log2(slack))]
     fluxes = (0.5**lower).sum() + (0.5**level[cells.edge]).sum()
     return level, {"own": cells.n / (1 / slack).sum(), "powers": cells.n / (0.5**plain).sum(), "cells": cells.n / (0.5**level).sum(),
-                   "faces": cells.faces / fluxes, f"rings {rings}": cells.n / ringed(cells, level, rings, most)}
+                   "faces": cells.faces / fluxes, f"rings {rings}": cells.n / ringed(cells, level, rings, most),
+                   "size": cells.n / (0.5**batched[0]).sum(), "rate": cells.n / (0.5**batched[1]).sum()}
 
 
 def main(arguments=None):
