@@ -375,14 +375,14 @@ static void find_velocity(const struct bed *b, double fallen, double *const *gai
  * T_s(w)/T_s'(w). */
 static int solve(const struct bed *b, double dt, double rate) {
     const struct bed_friction *r = b->rub;
-    const double log_damped = log(DAMPED + sqrt(DAMPED * DAMPED - 1));
+    const double root = sqrt(DAMPED * DAMPED - 1), log_damped = logarithm(DAMPED + root);
     int stages = 1;
     double w, w1;
     do {
         if (stages == MOST_STAGES) return -1;
-        const double angle = log_damped / ++stages;
-        w = cosh(angle);
-        w1 = DAMPED * sinh(angle) / (stages * sinh(log_damped));
+        const double m = exponential_minus_one(log_damped / ++stages); /* libm's cosh has other bits at -O0 */
+        w = 1 + 0.5 * (m * m / (1 + m));
+        w1 = DAMPED * (0.5 * (m + m / (1 + m))) / (stages * root);
     } while ((w + 1) / w1 < rate);
     double T[3] = {0, 1, w}, fallen[3] = {0, 0, w1 / w};
     for (int k = 0; k < b->components; k++)

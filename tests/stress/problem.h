@@ -143,6 +143,7 @@ struct view {
     bool flip[3];    /* does the new axis k point the other way? */
     bool reversed;   /* of polyhedra: cells and faces in the opposite order */
     double jitter;   /* every value of the start and every coordinate is changed by this part of itself, up or down */
+    double along;    /* m/s: velocity that all has besides, along the first axis that the mesh lacks */
 };
 
 /* The problem as it is seen; v and p are borrowed. */
@@ -160,6 +161,8 @@ void view_turn(const struct problem *p, double x[3]);
 status view_mesh(const struct problem *p, struct polymesh *m, double *place);
 /* A state of a cell of the start: from the old to the new one. cell: the old number. */
 void view_start(const struct problem *p, long cell, double *rho, double u[3], double *T);
+/* What the velocity `along` makes of the rules of a patch. */
+void view_rules(const struct problem *p, struct patch_rules *rules);
 /* An end state U[variables][cells] of new cells, as the one who drew the problem sees it: out[variables][cells]. */
 void view_end(const struct problem *p, long cells, int variables, double *const U[MAX_VAR], double *out);
 

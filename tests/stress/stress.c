@@ -11,8 +11,10 @@
 
 static const char usage[] =
     "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare] "
-    "[-full] [-explicit] [-views]\n"
-    "       [-cap STEPS] [-most STEPS] [-fraction F] [-verbose] [-names]\n"
+    "[-full] [-explicit] [-views] [-short]
+"
+    "       [-cap STEPS] [-most STEPS] [-fraction F] [-verbose] [-names]
+"
     "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
     "one\n"
     "  fails; S is default, or flux/reconstruct/polynomial/timeScheme/maxCo\n";
@@ -51,6 +53,8 @@ static bool parse(int argc, char **argv, struct request *r) {
             r->run.explicit = true, used = false;
         else if (!strcmp(a, "-verbose"))
             r->run.verbose = true, used = false;
+        else if (!strcmp(a, "-short"))
+            r->run.brief = true, used = false;
         else if (!strcmp(a, "-views"))
             r->views = true, used = false;
         else if (!strcmp(a, "-checksums"))
