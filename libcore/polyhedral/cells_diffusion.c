@@ -344,7 +344,6 @@ ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, double *const
     EACH_ALONE
     for (int i = 0; i < g.n; i++) {
         double slope = jump[0][i] * g.inverse[i];
-        UNROLL
         for (int k = 0; k < dim && gradient; k++) slope += g.oblique[k][i] * M[k][i];
         out[i] = slope * -g.face[2][i];
     }

@@ -177,7 +177,7 @@ def at_each_call(folder, kind, done, every=1, seed=1, codes=(0, 3)):
     calls = int(re.search(r"(\d+) calls", run(case, fault="count:0").stderr)[1])
     shutil.rmtree(case)
     if every > 1:
-        outcome.done += f" (tried at every {every}th of {calls})"
+        outcome.done += f" (tried at one of {every} of the {calls} calls)"
     for at in range(1 + chance.randrange(every), calls + 1, every):
         shutil.copytree(base, case)
         tried = run(case, fault=f"{kind}:{at}")

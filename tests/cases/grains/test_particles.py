@@ -499,6 +499,18 @@ class BadInput(harness.Folder, unittest.TestCase):
                         self.assertIn(text, done.stderr)
                     self.assertEqual(snapshot(case), before)
 
+    def test_flow_out_of_any_plane(self):
+        """U along the axis of a plane case is refused, whichever axis that is; along the others it is not."""
+        for k, axis in enumerate("xyz"):
+            shape = lambda inside, thin, k=k: tuple(thin if j == k else inside for j in range(3))
+            case = make(os.path.join(self.folder, axis), cells=shape(8, 1), size=shape(16.0, 1.0), types={a: "cyclic" for a in "xyz" if a != axis}, format="ascii")
+            harness.edit(case, "0/U", internalField="uniform (%g %g %g)" % shape(1, 0))
+            harness.program("checkCase", case)
+            harness.edit(case, "0/U", internalField="uniform (%g %g %g)" % shape(0, 1))
+            done = harness.program("checkCase", case, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(f"its {axis} component must be 0", done.stderr)
+
     def test_meshes(self):
         """A side of two kinds of wall."""
         case = make(os.path.join(self.folder, "sides"), types={"x": "cyclic", "y": "wall"}, particles="walls { half { restitution 0.5; } }\n")

@@ -170,7 +170,7 @@ class FieldAverage(harness.Folder, unittest.TestCase):
         with open(os.path.join(again, CONTROL), "w") as f:
             f.write(text.replace("type fieldAverage;", "type fieldAverage; restartOnRestart yes;"))
         harness.program("granularGas", "-case", again)
-        for field in ("UMean", "TMean", "UPrime2Mean"):
+        for field in ("UMean", "TMean", "UPrime2Mean", "alphaMean", "pMean"):
             with open(os.path.join(case, "0.02", field), "rb") as f, open(os.path.join(again, "0.02", field), "rb") as g:
                 self.assertEqual(f.read(), g.read(), field)
             with open(os.path.join(plain, "0.02", field), "rb") as f, open(os.path.join(again, "0.02", field), "rb") as g:

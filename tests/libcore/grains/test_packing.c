@@ -181,6 +181,33 @@ static void layer(void **state) {
     free(x);
 }
 
+/* Two triangles of a square, whose boxes are the same: 0 below the diagonal, 1 above it. */
+static long triangle_of(const struct grain_mesh *self, const double x[3], bool *inside) {
+    (void)self;
+    *inside = true;
+    return x[1] > x[0];
+}
+
+/* Grains lie in the cells of a mesh that have some, not in all of the boxes around these. */
+static void on_a_mesh(void **state) {
+    (void)state;
+    enum { N = 500 };
+    const double L = 100, volume[2] = {L * L / 2, L * L / 2}, alpha[2] = {N * PI / 4 / (L * L / 2), 0};
+    const double centre[2][3] = {{2 * L / 3, L / 3, 0}, {L / 3, 2 * L / 3, 0}};
+    const double bounds[2][6] = {{0, 0, 0, L, L, 0}, {0, 0, 0, L, L, 0}};
+    const struct grain_mesh m = {2, volume, centre, bounds, triangle_of};
+    const struct packing_field f = {.n = {1, 1, 1}, .mesh = &m, .alpha = alpha};
+    struct grain_box b = cube(2, L, true);
+    double(*x)[3] = places(N), pair, wall;
+    struct packing_report report;
+    assert_true(packing_number(&b, 1, &f) == N);
+    ok(packing_places(&b, 1, &f, N, 3, x, &report));
+    nearest(&b, N, (const double(*)[3])x, &pair, &wall);
+    assert_true(pair >= 1 && report.impacts == 0);
+    for (int i = 0; i < N; i++) assert_true(x[i][1] <= x[i][0]);
+    free(x);
+}
+
 static void velocities(void **state) {
     (void)state;
     enum { N = 30000 };
@@ -232,7 +259,7 @@ static void errors(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(added),      cmocka_unit_test(uniform),
                                        cmocka_unit_test(velocities), cmocka_unit_test(fields_are_honoured),
-                                       cmocka_unit_test(layer),      cmocka_unit_test(grown),
-                                       cmocka_unit_test(errors)};
+                                       cmocka_unit_test(layer),      cmocka_unit_test(on_a_mesh),
+                                       cmocka_unit_test(grown),      cmocka_unit_test(errors)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -29,6 +29,15 @@ static void in_one_half(double x, double y, double z, double *rho, double *T, do
     for (int k = 0; k < 3; k++) u[k] = 3;
 }
 
+/* The first three cells of a row of 32 differ from the others, which are alike. */
+static void at_one_end(double x, double y, double z, double *rho, double *T, double u[3]) {
+    everywhere(x, y, z, rho, T, u);
+    if (x < 0.09) return;
+    *rho = 150;
+    *T = 2;
+    for (int k = 0; k < 3; k++) u[k] = 3;
+}
+
 /* Lumps near packing fly into each other through a near vacuum, at one end: faces there are limited. */
 static void violent(double x, double y, double z, double *rho, double *T, double u[3]) {
     everywhere(x, y, z, rho, T, u);
@@ -149,6 +158,30 @@ static void all_seams_are_used(void **state) {
     }
 }
 
+/* A step takes a disturbance 9 cells far: beyond it there are two layers at least of tiles of 4 cells, which say that
+ * they are uniform, with the values of their cells, and set nothing behind these. */
+static void uniform_tiles_have_one_value(void **state) {
+    (void)state;
+    enum { MOST = 4 * 4 * 4 };
+    struct scene s;
+    long uniform = 0;
+    open_gas(&s, AROUND, "common", 4);
+    start(&s, at_one_end);
+    run(&s, 1, 0.5);
+    for (int b = 0; b < s.gas->blocks.n; b++) {
+        double value[4] = {0, 0, 0, -7}, cells[3][MOST];
+        if (!gas_block_uniform(s.gas, b, GAS_U, value)) continue;
+        gas_block_field(s.gas, b, GAS_U, (double *const[3]){cells[0], cells[1], cells[2]});
+        for (int k = 0; k < 3; k++)
+            for (int i = 0; i < MOST; i++) assert_true(value[k] == cells[k][i]);
+        assert_true(value[3] == -7);
+        uniform++;
+    }
+    comm_sum_long(world, &uniform, 1);
+    assert_true(uniform >= 2 * 4 * 4);
+    close_scene(&s);
+}
+
 int main(int argc, char **argv) {
     if (status_print(comm_start(&argc, &argv, &world), true)) return 1;
     const struct CMUnitTest tests[] = {
@@ -156,6 +189,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(tiles_with_a_background),
         cmocka_unit_test(limited_tiles),
         cmocka_unit_test(all_seams_are_used),
+        cmocka_unit_test(uniform_tiles_have_one_value),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);

@@ -364,6 +364,20 @@ static void rough_walls_object(void **state) {
     assert_non_null(rough->objection(&r));
 }
 
+/* A row gives something if it has parameters, or a value of a scalar or of a vector, be it one of them alone. */
+static void what_rows_give(void **state) {
+    (void)state;
+    int one = 0;
+    for (int i = 0; i < boundary_count; i++) {
+        const struct boundary_type *t = &boundary_table[i];
+        const bool scalar = boundary_value(t, 1), vector = boundary_value(t, 3);
+        assert_true(boundary_gives(t) == (t->model.nparam > 0 || scalar || vector));
+        one += t->model.nparam == 0 && scalar != vector;
+    }
+    assert_true(one > 0);
+    assert_false(boundary_gives(NULL));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls),
@@ -381,6 +395,7 @@ int main(void) {
         cmocka_unit_test(friction_and_losses_balance),
         cmocka_unit_test(friction_has_limits),
         cmocka_unit_test(rough_walls_object),
+        cmocka_unit_test(what_rows_give),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -500,6 +500,28 @@ static void test_missing_file(void **state) {
     says(source_open(f->path, &s), "is no file");
 }
 
+/* A long binary list is left out of the text, which ends with a 0 behind the rest, however long that is. */
+static void test_rest_of_a_long_list(void **state) {
+    const struct folder *f = *state;
+    enum { N = 512, TAILS = 130 };
+    for (int tail = 0; tail < TAILS; tail++) {
+        double values[N] = {0};
+        struct source *s = NULL;
+        FILE *file = fopen(f->file, "wb");
+        assert_non_null(file);
+        fprintf(file, "FoamFile { version 2.0; format binary; class volScalarField; object a; }\n"
+                      "internalField nonuniform List<scalar> 512(");
+        assert_true(fwrite(values, sizeof *values, N, file) == N);
+        fprintf(file, ");%*s", tail, "");
+        assert_int_equal(fclose(file), 0);
+        ok(source_open(f->file, &s));
+        assert_true(s->gap_bytes == sizeof values);
+        assert_string_equal(s->text + s->gap + 2 + tail, "");
+        assert_true(s->size == s->gap + 2 + (size_t)tail);
+        source_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tokens),
@@ -516,6 +538,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_compression_replaces, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_write_failures, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_long_text, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_rest_of_a_long_list, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 """Pictures of tiny cases: what stands in the figure is what stands in the fields; colours, walls, times, names and units."""
 import os
 import shutil
+import types
 import unittest
 
 import matplotlib
@@ -15,7 +16,7 @@ from tests.postprocessing.plot import cases
 
 from haff.plot import figures, picture, quantity
 from haff.plot.quantity import CannotDraw
-from haff.plot.wish import Wish
+from haff.plot.wish import Wish, named_time
 
 GMSH = shutil.which("gmsh")
 
@@ -330,6 +331,18 @@ class Grains(Pictures):
         with self.assertRaisesRegex(CannotDraw, "has no field 'grains'"):
             self.draw(fields=["grains"])
         self.assertEqual(quantity.known(haff.Case(self.path), "1"), ["T", "U", "alpha", "p"])
+
+
+class Times(unittest.TestCase):
+    def test_named_time(self):
+        """A number names the time within 1e-6 of itself or of the span of all times, whichever is more."""
+        case, there = types.SimpleNamespace(path="CASE"), ["0", "0.1", "10"]
+        for word, found in (("0.100005", "0.1"), ("0.1", "0.1"), ("1e1", "10"), ("10.000009", "10")):
+            self.assertEqual(named_time(case, word, there), found)
+        self.assertEqual(named_time(case, "1000.0005", ["1000", "1001"]), "1000")
+        for word in ("0.10002", "10.00002", "five"):
+            with self.assertRaisesRegex(CannotDraw, "the times are"):
+                named_time(case, word, there)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,10 @@ import numpy as np
 from tests.cases import harness
 from tests.postprocessing.plot import cases
 
-from haff.plot import solid, views
+from haff.plot import labels, solid, views
 from haff.plot.canvas import Canvas, FINE, View
-from haff.plot.quantity import CannotDraw
+from haff.plot.quantity import CannotDraw, Quantity
+from haff.plot.space import Section
 
 GMSH = shutil.which("gmsh")
 
@@ -237,6 +238,24 @@ def chain(lines):
 
 def ring(p):
     return np.sum(p[:, 0] * np.roll(p[:, 1], -1) - p[:, 1] * np.roll(p[:, 0], -1))
+
+
+class Colours(unittest.TestCase):
+    def test_span(self):
+        """The span of a picture, not that of the values, says whether a map of colours has two signs."""
+        quantity = Quantity("q", "", (), np.array([1.0, 2.0]), {})
+        self.assertNotEqual(quantity.colours(), labels.SIGNED)
+        self.assertEqual(quantity.colours((-1.0, 1.0)), labels.SIGNED)
+
+
+class Sections(unittest.TestCase):
+    def test_corners_that_round_off_parts_are_one_place(self):
+        """Two triangles share an edge, whose corners differ by round-off: four places, and two cells around each shared one."""
+        corners = np.array([[0, 0], [1, 0], [0, 1], [1 + 1e-13, 1e-13], [1, 1], [-1e-13, 1 - 1e-13]])
+        section = Section(("x", "y"), None, None, corners=corners, ends=np.array([3, 3]), cells=np.array([0, 1]))
+        places, triangles, around, _ = section.triangles()
+        self.assertEqual((len(places), len(triangles)), (4, 2))
+        self.assertEqual(sorted(np.bincount(around)), [1, 1, 2, 2])
 
 
 class Images(unittest.TestCase):

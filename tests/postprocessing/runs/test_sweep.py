@@ -13,7 +13,7 @@ import numpy as np
 from tests.cases import harness, runs
 from tests.cases.harness import haff
 from tests.postprocessing.runs.test_run import PROPERTIES, gmsh, tube
-from haff.runs import sweepCase
+from haff.runs import copies, sweepCase
 
 E = "grain/restitution"
 
@@ -110,6 +110,14 @@ class Tables(harness.Folder, unittest.TestCase):
             with self.subTest(str(grid)), self.assertRaisesRegex(kind, why):
                 quiet(self.case, grid, folder=self.out)
             self.assertFalse(os.path.exists(self.out))
+
+    def test_names_of_folders(self):
+        """Up to 100 letters a name says all of its values; behind that, and with letters of no file name, it ends in a digest."""
+        self.assertEqual(copies.name_of({"restitution": 0.9, "N": 20}), "restitution=0.9,N=20")
+        for letters, whole in ((98, True), (99, False)):
+            name = copies.name_of({"a" * letters: 1})
+            self.assertEqual((name == "a" * letters + "=1", len(name)), (whole, 100 if whole else 89))
+        self.assertRegex(copies.name_of({"a/b": 1}), "^a_b=1-[0-9a-f]{8}$")
 
     def test_words(self):
         """Values of the command line: commas in brackets and quotes belong to a value."""
