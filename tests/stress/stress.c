@@ -11,10 +11,8 @@
 
 static const char usage[] =
     "stress [-problem NAME [-seed N]] [-scheme S] [-count N] [-from N] [-list FILE] [-table DIR] [-checksums] [-bare] "
-    "[-full] [-explicit] [-views] [-short]
-"
-    "       [-cap STEPS] [-most STEPS] [-fraction F] [-verbose] [-names]
-"
+    "[-full] [-explicit] [-views] [-short]\n"
+    "       [-cap STEPS] [-most STEPS] [-fraction F] [-verbose] [-names]\n"
     "  runs problems of all families (or of one), seeds from N on, COUNT of them, or those of a file, and fails if "
     "one\n"
     "  fails; S is default, or flux/reconstruct/polynomial/timeScheme/maxCo\n";
