@@ -468,15 +468,14 @@ static void flow(struct gas *g, enum diffusing what, bool work, double weight) {
 
 /* q = q_0 + per M/rho, then S of the next stage, which takes the place of the sum before the last. */
 KERNEL static void sum_row(int n, const double *restrict c, double per, const double *restrict M,
-                           const double *restrict rho, const double *restrict start, const double *restrict friction,
-                           const double *restrict last, double *restrict next) {
+                           const double *restrict rho, const double *restrict start, const double *restrict last,
+                           double *restrict next) {
     if (c[1] == 0)
         for (int i = 0; i < n; i++) next[i] = 0; /* it may hold anything */
     for (int i = 0; i < n; i++) {
         const double q = start[i] + per * M[i] / rho[i];
         next[i] = (c[0] * last[i] + c[1] * next[i]) + (c[2] * q + c[3] * start[i]);
     }
-    for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * friction[i];
 }
 
 void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct state *Y0, const double c[5],
@@ -492,8 +491,8 @@ void cells_diffusion_stage(struct gas *g, enum diffusing what, const struct stat
             cells_residuals(g->cells, at, n, g->cells->flux[v], M);
             if (d->turn && what == VISCOUS) cells_turn_push(g, d->turn, v, at, n, M);
             double *next = d->sum[1 - g->diffusion.last][v] + at;
-            sum_row(n, c, per, M, rho + at, d->start[v] + at, g->diffusion.friction[0] + at,
-                    d->sum[g->diffusion.last][v] + at, next);
+            sum_row(n, c, per, M, rho + at, d->start[v] + at, d->sum[g->diffusion.last][v] + at, next);
+            for (int i = 0; i < n && c[4] > 0; i++) next[i] += c[4] * g->diffusion.friction[0][at + i];
         }
     }
     g->diffusion.last = 1 - g->diffusion.last;
