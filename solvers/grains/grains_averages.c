@@ -44,7 +44,7 @@ struct averages {
     struct coarse *sum[2];   /* sums of the running window; of the last complete one, or of a moment */
     double (*x)[3], (*u)[3]; /* [grains] */
     uint8_t *kind;           /* [grains] */
-    double moment;           /* s: time of sum[1]; NAN: it is of a window */
+    double moment;           /* s: time of sum[1] before a window is complete; NAN: it is empty */
     double grid[16];         /* as in struct averages_saved */
 };
 
@@ -172,7 +172,6 @@ static void close_window(struct averages *a) {
         a->sum[0] = a->sum[1];
         a->sum[1] = seen;
         a->mark.complete = 1;
-        a->moment = NAN;
     }
     coarse_clear(a->sum[0]);
     a->mark.index++;
