@@ -12,11 +12,12 @@
 #define NOISE 1e-3 /* share of a value below which they do not count: jumps that WENO's epsilon takes for smooth */
 #define SLOPE 0.2  /* most that the total variation may be of the sum of both cells: far below shocks and voids */
 
-/* Is the face none at the border of what is uniform: are all cells equal, or not all on one side? */
-ALWAYS_INLINE uint64_t is_border_free(const double *restrict q, long s) {
-    const uint64_t left = is(q[-2 * s] != q[-s]) | is(q[-s] != q[0]), middle = is(q[0] != q[s]);
-    const uint64_t right = is(q[s] != q[2 * s]) | is(q[2 * s] != q[3 * s]);
-    return (left & right) | ~(left | middle | right);
+/* Is the face none at the border of what is uniform: do rho or p differ on both sides, or are all cells equal? */
+ALWAYS_INLINE uint64_t is_border_free(const double *restrict q, const double *restrict p, long s) {
+    const uint64_t left = is(q[-2 * s] != q[-s]) | is(q[-s] != q[0]) | is(p[-2 * s] != p[-s]) | is(p[-s] != p[0]);
+    const uint64_t right =
+        is(q[s] != q[2 * s]) | is(q[2 * s] != q[3 * s]) | is(p[s] != p[2 * s]) | is(p[2 * s] != p[3 * s]);
+    return (left & right) | ~(left | is(q[0] != q[s]) | is(p[0] != p[s]) | right);
 }
 /* Does a quantity vary smoothly over the six cells, on a scale (its own sum over both cells; twice the speed of sound
  * for a velocity)? A step has differences of 6 to 10 of its variation, a kink of 1, a sine of eight cells a wave 0.1.
@@ -44,7 +45,7 @@ KERNEL static void find_rough(const struct faces *f, double *restrict rough) {
     for (int i = 0; i < f->n; i++) {
         const double *r = rho + i, *q = p + i;
         const uint64_t smooth = varies_smoothly(r, s, r[0] + r[s]) & varies_smoothly(q, s, q[0] + q[s]);
-        rough[i] = select_masked(smooth & is_border_free(r, s) & is_border_free(q, s) & is_even(g + i, s), 0, 1);
+        rough[i] = select_masked(smooth & is_border_free(r, q, s) & is_even(g + i, s), 0, 1);
     }
 }
 /* Marks those across which a tangential velocity does not vary smoothly: shears need have no jump of rho and p. */
@@ -52,8 +53,7 @@ KERNEL static void find_sheared(const struct faces *f, const double *restrict u,
     const double *c = f->c;
     const long s = f->stride;
     EACH_ALONE
-    for (int i = 0; i < f->n; i++)
-        rough[i] = select_masked(varies_smoothly(u + i, s, c[i] + c[i + s]) & is_border_free(u + i, s), rough[i], 1);
+    for (int i = 0; i < f->n; i++) rough[i] = select_masked(varies_smoothly(u + i, s, c[i] + c[i + s]), rough[i], 1);
 }
 
 int smooth_find(const struct faces *f, double *rough) {

@@ -240,6 +240,7 @@ void sections_draw(struct problem *p, struct seed *s) {
     p->n[1] = line ? 1 : 9 + seed_below(s, 6);
     p->n[2] = 1;
     p->cells = p->n[0] * p->n[1];
+    p->stated = p->edge == OPEN_ENDED; /* packed gas at an open side without values takes in more and more (seed 5) */
     for (int k = 0; k < 3; k++) p->direction[k] = k >= p->dim ? 0 : k == 0;
     const double fast = sqrt(grains_T(p)) * seed_power(s, -2, 2), pull = seed_power(s, -2, 1);
     for (int k = p->dim; k < p->components; k++) {

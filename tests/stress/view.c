@@ -300,16 +300,20 @@ static status see(const struct problem *p, const struct scheme *scheme, const st
 #define UNITLESS 1e-30
 /* Implicit diffusion is solved to 1e-6 of a cell's T, on a path that follows the order of the unknowns. */
 #define SOLVED 1e-6
+/* The sectors of CWENO3 are found in single precision, whose round-off depends on the axes and the order of cells. */
+#define SINGLE 1e-7
 
-static void judge_view(const struct problem *p, const struct run_options *o, const struct outcome *first,
-                       struct outcome seen[VIEWS], int view, struct outcome *out) {
+static void judge_view(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
+                       const struct outcome *first, struct outcome seen[VIEWS], int view, struct outcome *out) {
     const struct outcome *s = &seen[view];
     double off = difference(first, s), jitter = 0;
     for (int i = 0; i < JITTERS; i++) jitter = larger(jitter, difference(first, &seen[i]));
     const bool bits = keeps_bits(p, first, view);
     const double same = view == BINARY || view == FOURTH ? UNITLESS : 0;
     const bool solved = p->diffusion && !p->diffusion->plan && view >= MIRROR;
-    const double allowed = bits ? same : jitter > CHAOS ? HUGE_VAL : larger(MORE * jitter, solved ? SOLVED : 0);
+    const bool single = p->polyhedral && !strcmp(scheme->polynomial, "CWENO3");
+    const double least = solved ? SOLVED : single ? SINGLE : 0;
+    const double allowed = bits ? same : jitter > CHAOS ? HUGE_VAL : larger(MORE * jitter, least);
     if (o->verbose) printf("  view %s: off by %.3g, allowed %.3g\n", views[view].name, off, allowed);
     if (off <= allowed && (!bits || s->steps == first->steps)) return;
     out->verdict = FAILED;
@@ -327,7 +331,7 @@ status views_compare(const struct problem *p, const struct scheme *scheme, const
     for (int i = 0; i < VIEWS && !e && out->verdict != FAILED; i++) {
         if (!applies(p, i)) continue;
         e = see(p, scheme, o, c, i, &first, &seen[i]);
-        if (!e && i >= JITTERS) judge_view(p, o, &first, seen, i, out);
+        if (!e && i >= JITTERS) judge_view(p, scheme, o, &first, seen, i, out);
     }
     free(first.state);
     for (int i = 0; i < VIEWS; i++) free(seen[i].state);
