@@ -33,13 +33,13 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         for e, other, measured in ((1, (), 8.3e-5), (1, [POLYHEDRAL], 7.9e-5), (0.95, (), 2.9e-4)):
             with self.subTest(restitution=e, other=other):
                 errors, order = self.errors("heatedWalls", (20, 40), disks.heated_walls, (("T",), ("alpha",), ("p",)),
-                                            {"restitution": e}, {"maxCo": 0.4}, other)
+                                            {"restitution": e}, {"maxCo": 0.8}, other)
                 self.assertGreater(order.min(), 1.9)
                 self.assertLess(errors[-1].max(), MARGIN * measured)
 
     def test_poiseuille(self):
         fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
-        errors, order = self.errors("poiseuilleDisks", (16, 32), disks.poiseuille, fields)
+        errors, order = self.errors("poiseuilleDisks", (16, 32), disks.poiseuille, fields, {}, {"maxCo": 0.8})
         self.assertGreater(order.min(), 1.85)
         self.assertLess(errors[-1].max(), MARGIN * 2.4e-3)
 
@@ -54,7 +54,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         fields = [(name, None, 1) for name in ("T", "alpha", "p")] + [("U", 0, 1)]
         for other, measured in (((), 3.3e-4), ([POLYHEDRAL], 4e-4)):
             with self.subTest(other=other):
-                errors, order = self.errors("couetteDisks", (16, 32), disks.couette, fields, {}, {"maxCo": 0.4}, other)
+                errors, order = self.errors("couetteDisks", (16, 32), disks.couette, fields, {}, {"maxCo": 0.8}, other)
                 self.assertGreater(order.min(), 1.85)
                 self.assertLess(errors[-1].max(), MARGIN * measured)
 
@@ -64,7 +64,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         for other, least, measured in (([friction], 1.85, 4.2e-5), ([friction, POLYHEDRAL], 1.5, 2.3e-4)):
             with self.subTest(other=other):
                 errors, order = self.errors("couetteDisks", (16, 32), disks.frictional, fields, {},
-                                            {"maxCo": 0.4, "endTime": 1200, "writeInterval": 1200}, other)
+                                            {"maxCo": 0.8, "endTime": 1200, "writeInterval": 1200}, other)
                 self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
                 self.assertLess(errors[-1].max(), MARGIN * measured)
 
@@ -78,7 +78,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
                 (0.9, 0.02, [absorbs, POLYHEDRAL], 1.9, 9e-4), (0.8, 0.0, [absorbs], 1.9, 4.2e-4)):
             with self.subTest(restitution=e, gravity=gravity, other=other):
                 errors, order = self.errors("heatedWalls", (20, 40), lambda case: disks.heated_walls(case, garzoDufty.Grains(3, e), gravity),
-                                            (("T",), ("alpha",), ("p",)), {}, {"maxCo": 0.4, "endTime": 2000, "writeInterval": 2000},
+                                            (("T",), ("alpha",), ("p",)), {}, {"maxCo": 0.8, "endTime": 2000, "writeInterval": 2000},
                                             [spheres(e, gravity), *other])
                 self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
                 self.assertLess(errors[-1].max(), MARGIN * measured)
@@ -94,7 +94,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
         for other, end, least, measured in (([], 2400, 1.9, 9.8e-5), ([POLYHEDRAL], 1200, 1.5, 1.9e-3)):
             with self.subTest(other=other):
                 errors, order = self.errors("couetteDisks", (16, 32), lambda case: disks.frictional(case, garzoDufty.Grains(3, 0.9)), fields, {},
-                                            {"maxCo": 0.4, "endTime": end, "writeInterval": end}, [spheres(0.9), rough, *other])
+                                            {"maxCo": 0.8, "endTime": end, "writeInterval": end}, [spheres(0.9), rough, *other])
                 self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
                 self.assertLess(errors[-1].max(), MARGIN * measured)
 
