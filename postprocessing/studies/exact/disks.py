@@ -12,6 +12,7 @@ mass 1, T per unit mass (its energy per mass is T). Written from the formulas, n
     flow = disks.Channel(gas, height=20, alpha=0.2, low={"T": 1}, high={"T": 4})
     flow(y, "T")
 """
+import functools
 import os
 import re
 
@@ -63,7 +64,15 @@ class Disks:
     def density(self, p, T):
         """rho of a pressure: nu = per p/(T A), whose sides are near to straight lines, in thin gas and near packing."""
         wanted = self.per * np.asarray(p / T, float)
-        return root(lambda nu: nu - wanted / self.A(nu), 0 * wanted, 0 * wanted + self.packed * (1 - 1e-9)) / self.per
+        nodes, sides = self.bracket
+        at = np.clip(np.searchsorted(sides, wanted), 1, len(nodes) - 1)
+        return root(lambda nu: nu - wanted / self.A(nu), nodes[at - 1], nodes[at]) / self.per
+
+    @functools.cached_property
+    def bracket(self):
+        """nu from 0 to packing, and nu A: the intervals in which `density` looks for a root."""
+        nodes = np.linspace(0, self.packed * (1 - 1e-9), 1001)
+        return nodes, np.append(0, nodes[1:] * self.A(nodes[1:]))
 
     def bulk(self, rho, T):
         return 2 / ROOT_PI * rho * self.sigma * np.sqrt(T) * self.G(rho * self.per)
