@@ -94,8 +94,8 @@ class Image(harness.Folder, unittest.TestCase):
 
     def test_failing(self):
         """One warning with the reason, of all fields and times; -strict, too, lets the run go on."""
-        for name, arguments, ranks in (("plain", (), 1), ("ranks", (), 2), ("strict", ("-strict",), 1)):
-            path = self.case("failing" + name, more="options (-slice q=3);")
+        for name, arguments, ranks, fields in (("plain", (), 1, "U T"), ("ranks", (), 2, "U"), ("strict", ("-strict",), 1, "U")):
+            path = self.case("failing" + name, fields, "options (-slice q=3);")
             said = harness.program("granularGas", "-case", path, *arguments, ranks=ranks).stdout
             self.assertEqual(said.count("[noPicture]"), 1)
             self.assertRegex(said, r"'pictures' could not draw all its pictures, the run goes on: .*-slice q=3")
