@@ -45,6 +45,13 @@ class Boundary(harness.Folder, unittest.TestCase):
                 np.testing.assert_allclose(case.field("p"), P, rtol=1e-10)
                 np.testing.assert_allclose(case.field("U")[:, 0], U[0], rtol=1e-10)
 
+    def test_inlet_from_above(self):
+        """inletOutlet takes the velocity across its own side: gas that comes down through it enters, though it flows along it, too."""
+        rest = "xLow zeroGradient\nxHigh zeroGradient\nyLow zeroGradient\nzEmpty empty\nyHigh inletOutlet; inletValue uniform "
+        patches = {"rho": f"{rest}{RHO!r}", "U": rest + "(30 -20 0)", "p": f"{rest}{P!r}"}
+        case = self.case("above", (0.3 * RHO, (30.0, -20.0, 0.0), 0.2 * P), patches, end=0.03)
+        np.testing.assert_allclose(case.field("rho").reshape(N[1], N[0])[-1], RHO, rtol=1e-3)
+
     def test_outlet_lets_go(self):
         """inletOutlet where the gas leaves: its value does not matter, to the bit."""
         results = []
