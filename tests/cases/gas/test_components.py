@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness, runs, sections
+from tests.cases.runtime import test_forces as forces
 
 FLUXES = ("common", "Marquina", "MarquinaStable", "LaxFriedrichs", "globalLaxFriedrichs", "Rusanov")
 RECONSTRUCTIONS = ("PHM", "WENO5", "WENOZ", "TENO5", "WPENO5", "firstOrder")
@@ -213,6 +214,7 @@ class Components(harness.Folder, unittest.TestCase):
         case = sections.make(os.path.join(self.folder, name), (12, 14, 0), packed, sliding, chilled, 0.2, step=1.25e-3, gravity=(0.0, -9.0, gravity),
                              solution="acoustics { type implicit; }\n", **options)
         harness.edit(case, "constant/granularProperties", restitution="0.9; thresholdSpeed 0.03")
+        runs.add(case, "system/controlDict", "functions { budget { type energyBudget; } }\n")
         self.assertIn("implicit acoustics", harness.program("granularGas", "-case", case).stdout)
         return case
 
@@ -230,6 +232,8 @@ class Components(harness.Folder, unittest.TestCase):
             before = harness.haff.Case(os.path.join(self.folder, f"acoustics{engine}Falsethin"))
             momentum = [(case.field("rhoU")[:, 2] * case.volumes).sum() for case in (before, result)]
             np.testing.assert_allclose(momentum[1], momentum[0] + mass * 4 * 0.2, rtol=1e-4)
+            budget = forces.columns(result.path, "budget", "energyBudget.dat")
+            self.assertLess(np.abs(budget["residual"]).max(), 1e-12 * np.abs(budget["gravity"]).max())
 
     def test_line_of_disks(self):
         """On a line they may move along one more axis: that is a plane."""
