@@ -90,9 +90,11 @@ class FrictionFlows(harness.Folder, unittest.TestCase):
 
     def chute(self, cells, gravity, end):
         """Between rough walls at x = 0 and 2; p = 1."""
-        result = self.case(f"chute{gravity:.3f}", 0, 2 * cells, 2.0, lambda x: 1 + 0 * x, (0.0, gravity, 0.0), ("noSlip", "noSlip"), end)
+        result = self.case(f"chute{gravity:.3f}", 0, 2 * cells, 2.0, lambda x: 1 + 0 * x, (0.0, gravity, 0.0), ("noSlip", "noSlip"), end,
+                           functions="functions { ratio { type writeObjects; objects (stressRatio); } }\n")
         y, exact = profile(1, lambda y: RHO * gravity * (1 - y), lambda y: 1 + 0 * y)
         x = np.abs(result.centres[:, 0] - 1)
+        np.testing.assert_allclose(result.field("stressRatio"), RHO * gravity * x, rtol=0, atol=1e-5)
         return x, result.field("U")[:, 1], np.interp(1 - x, y, exact)
 
     def test_chute(self):
