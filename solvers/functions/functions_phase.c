@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_PHASES = 1000 };
+enum { MOST_PHASES = 1000, MOST_SAMPLES = 10000 /* in one step */ };
 
 struct phases {
     double period, start;         /* s */
@@ -164,6 +164,13 @@ static status phases_collect(struct function *f, const struct moment *before, co
     const struct phases *p = f->own;
     double index = first_index(p, before, now);
     if (!isfinite(index) || !reached(now->t, moment_of(p, index))) return OK;
+    const double samples = (now->t - moment_of(p, index)) / p->period * p->n;
+    if (samples > MOST_SAMPLES)
+        return fail(
+            ERR_INPUT,
+            "system/controlDict: functions: %s: the step to t = %.9g s holds %.3g samples, %d are allowed: give a "
+            "longer period, fewer phases, or maxDeltaT",
+            f->name, now->t, samples, MOST_SAMPLES);
     evaluate(f, p->now);
     for (; reached(now->t, moment_of(p, index)); index += 1) TRY(take_moment(f, index, before, now));
     return OK;

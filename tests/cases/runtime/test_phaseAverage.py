@@ -223,6 +223,10 @@ class PhaseAverage(harness.Folder, unittest.TestCase):
                 self.assertEqual(done.returncode, 1)
                 for part in ("controlDict", *parts):
                     self.assertIn(part, done.stderr)
+        case = averaged(self.path("short"), n=(4, 4, 1), settings="period 1e-9; phases 3;")
+        done = harness.program("granularGas", "-case", case, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"controlDict: functions: \S+: the step to t = \S+ s holds \S+e\+\d+ samples, 10000 are allowed: give a longer")
         case = averaged(self.path("wrong"), n=(4, 4, 1), fields="rho alfa")
         self.assertIn("did you mean 'alpha'?", harness.program("granularGas", "-case", case, check=False).stderr)
 
