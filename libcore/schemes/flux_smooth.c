@@ -10,6 +10,7 @@
 
 #define BUMP  0.1  /* most that the fourth and fifth differences may be of the total variation */
 #define NOISE 1e-3 /* share of a value below which they do not count: jumps that WENO's epsilon takes for smooth */
+#define STILL 1e-6 /* the same of tangential velocities, whose kinks at walls count */
 #define SLOPE 0.2  /* most that the total variation may be of the sum of both cells: far below shocks and voids */
 
 /* Is the face none at the border of what is uniform: do rho or p differ on both sides, or are all cells equal? */
@@ -22,12 +23,12 @@ ALWAYS_INLINE uint64_t is_border_free(const double *restrict q, const double *re
 /* Does a quantity vary smoothly over the six cells, on a scale (its own sum over both cells; twice the speed of sound
  * for a velocity)? A step has differences of 6 to 10 of its variation, a kink of 1, a sine of eight cells a wave 0.1.
  */
-ALWAYS_INLINE uint64_t varies_smoothly(const double *restrict q, long s, double scale) {
+ALWAYS_INLINE uint64_t varies_smoothly(const double *restrict q, long s, double scale, double noise) {
     const double a = q[-2 * s], b = q[-s], c = q[0], d = q[s], e = q[2 * s], f = q[3 * s];
     const double o1 = d - c, o3 = e - b, o5 = f - a, s1 = c + d, s3 = b + e, s5 = a + f;
     const double fifth = fabs(fma(10, o1, fma(-5, o3, o5))), fourth = fabs(fma(2, s1, fma(-3, s3, s5)));
     const double variation = (fabs(b - a) + fabs(f - e)) + (fabs(c - b) + fabs(e - d)) + fabs(o1);
-    return is(fifth + fourth <= fma(BUMP, variation, NOISE * scale)) & is(variation <= SLOPE * scale);
+    return is(fifth + fourth <= fma(BUMP, variation, noise * scale)) & is(variation <= SLOPE * scale);
 }
 /* Does the Grueneisen coefficient keep the face from being a contact of dense gas (flux_rules.h)? */
 ALWAYS_INLINE uint64_t is_even(const double *restrict g, long s) {
@@ -44,7 +45,7 @@ KERNEL static void find_rough(const struct faces *f, double *restrict rough) {
     EACH_ALONE
     for (int i = 0; i < f->n; i++) {
         const double *r = rho + i, *q = p + i;
-        const uint64_t smooth = varies_smoothly(r, s, r[0] + r[s]) & varies_smoothly(q, s, q[0] + q[s]);
+        const uint64_t smooth = varies_smoothly(r, s, r[0] + r[s], NOISE) & varies_smoothly(q, s, q[0] + q[s], NOISE);
         rough[i] = select_masked(smooth & is_border_free(r, q, s) & is_even(g + i, s), 0, 1);
     }
 }
@@ -53,7 +54,8 @@ KERNEL static void find_sheared(const struct faces *f, const double *restrict u,
     const double *c = f->c;
     const long s = f->stride;
     EACH_ALONE
-    for (int i = 0; i < f->n; i++) rough[i] = select_masked(varies_smoothly(u + i, s, c[i] + c[i + s]), rough[i], 1);
+    for (int i = 0; i < f->n; i++)
+        rough[i] = select_masked(varies_smoothly(u + i, s, c[i] + c[i + s], STILL), rough[i], 1);
 }
 
 int smooth_find(const struct faces *f, double *rough) {

@@ -57,7 +57,7 @@ class Library(harness.Folder, unittest.TestCase):
                        reconstruct="WENO5", flux="common", step=1.0)
         harness.edit(case, "constant/granularProperties", diameter=0.01)
         with open(os.path.join(case, "system", "fvSchemes"), "a") as f:  # the example gives the flux no parameters
-            f.write("commonCoeffs { shocks off; expansions off; contacts off; }\n")
+            f.write("commonCoeffs { shocks off; expansions off; contacts off; smooth off; }\n")
         os.remove(os.path.join(case, "0", "p"))
         boxes.write_field(case, "T", np.ones(cells), '".*Empty" empty\n"x.*" zeroGradient')
         harness.program("granularGas", "-case", case)
