@@ -302,8 +302,8 @@ ALWAYS_INLINE void ask_for(int n, const double *row) {
     for (int i = 0; i < n; i += 8) __builtin_prefetch(row + i);
 }
 
-/* Asks memory for what the row after the one at `at` reads for the first time. So many lines are read side by
- * side in 3D that the processor alone asks for them too late. */
+/* Asks memory for the lines that the next row reads first. A sweep in 3D reads more lines side by side than the
+ * processor can ask for in time. */
 ALWAYS_INLINE void ask_for_next(const struct sweep *s, int dim, int m, long at) {
     const struct forest *f = s->g->forest;
     const struct diffuser *d = s->g->tiles->diffuser;

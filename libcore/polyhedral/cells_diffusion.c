@@ -275,7 +275,7 @@ ALWAYS_INLINE void gather_sides(int dim, int lines, const struct face_batch *f, 
 
 /* With the gradient G = M + n (a - n.M) of the head of this file, M the mean and a = n.G: the force of the left cell on
  * the right one, -(lambda tr(G) n + mu (G + G^T) n). The components c of u from dim on, up to m, lie along axes without
- * derivatives: their force is -mu a_c alone; that of a swirl, of which S is u_s/r, -mu times lever a_c. */
+ * derivatives: their force is -mu a_c alone; that of a swirl, whose S is u_s/r, -mu times lever a_c. */
 ALWAYS_INLINE void viscous_faces(int dim, int m, bool round, const struct face_batch *f, double *const *S,
                                  double *const *gradient, double *const *out) {
     const int slopes = dim > 1 ? dim : 0;

@@ -94,7 +94,7 @@ void forest_free(struct forest *f);
  * forest_fill_tile fills the layers of one tile, as often as wanted until the next start: at once if the tile is not
  * remote, after forest_fill_finish if it is. data and its cells must stay as they are until then. forest_fill_tile
  * leaves out sides towards tiles of this rank where leave[side] is set (leave may be NULL). forest_fill does all of
- * this for all tiles and layers, forest_fill_layers for as many layers as it is told. */
+ * this for all tiles and layers, forest_fill_layers for the first `layers` alone. */
 void forest_fill_start(struct forest *f, int layers, int nvar, double *const *data);
 void forest_fill_finish(struct forest *f);
 void forest_fill_tile(const struct forest *f, int t, const bool *leave);

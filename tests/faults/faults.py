@@ -191,12 +191,12 @@ def at_each_call(folder, kind, done, every=1, seed=1, codes=(0, 3)):
 
 
 def death_at_each_call(folder, every=1):
-    return at_each_call(folder, "kill", "kill -9 in place of each system call of a run that writes new times over old ones", every,
+    return at_each_call(folder, "kill", "kill -9 instead of each system call of a run that writes new times over old ones", every,
                         codes=(-signal.SIGKILL,))
 
 
 def power_cuts(folder, every=1):
-    return at_each_call(folder, "power", "the power fails in place of each system call: what was not synced is gone", every,
+    return at_each_call(folder, "power", "the power fails instead of each system call: what was not synced is gone", every,
                         codes=(-signal.SIGKILL,))
 
 
@@ -205,7 +205,7 @@ def disk_errors(folder, every=1):
 
 
 def torn_files(folder, every=1):
-    return at_each_call(folder, "torn", "the power fails in place of each system call: of what was not synced names stay, and half of the contents", every,
+    return at_each_call(folder, "torn", "the power fails instead of each system call: files that were not synced keep their names and half of their contents", every,
                         codes=(-signal.SIGKILL,))
 
 
