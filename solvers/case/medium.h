@@ -65,9 +65,17 @@ struct setup;
 struct medium;
 struct cloud;
 struct checksums;
+/* What -help says of a medium; the options that all solvers have stand in solvers/programs/solver.c. */
+struct medium_help {
+    const char *about; /* what it solves */
+    const char *usage; /* its own options in the first line */
+    const char *own;   /* the same, a line or more each */
+    const char *end;   /* signals, exit codes */
+};
+
 struct medium_type {
     const char *application; /* name of the program, as controlDict, lock and provenance have it */
-    const char *help;
+    const struct medium_help *help;
     void (*list_models)(FILE *f);
     void (*list_boundaries)(FILE *f);
     void (*keywords)(struct keywords *k); /* goes through those of all files but controlDict */

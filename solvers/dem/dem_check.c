@@ -16,15 +16,6 @@ static status warn_program(struct setup *s) {
     return said;
 }
 
-static status check_mesh(const struct setup *s) {
-    if (s->dim == 1)
-        return fail(ERR_INPUT,
-                    "%s: one axis is solved; grains are disks on two solved axes or spheres on three: let fewer "
-                    "patches be of type empty",
-                    s->mesh_path);
-    return OK;
-}
-
 /* Makes the cells and the facets of a mesh that is no lattice. */
 static status make_mesh(const struct setup *s, struct dem_run *r) {
     (void)grains_box_open(s, r->start.field[FIELD_U], r->models->open);
@@ -146,7 +137,7 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     struct grains_models *m = r->models;
     char path[2 * TIME_PATH];
     r->setup = s;
-    TRY(check_mesh(s));
+    TRY(grains_box_check(s));
     TRY(grains_check_shape(s, m));
     snprintf(path, sizeof path, "%s/%s/uniform/softGrains", s->dir, s->start.folder);
     const bool saved = field_exists(path);

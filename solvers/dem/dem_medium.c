@@ -292,30 +292,24 @@ static void list_boundaries(FILE *f) {
     fprintf(f, "  %-14s %-16s %s\n", "cyclic, empty", "scalars, U", "on patches of these types");
 }
 
-static const char help[] =
-    "granularDEM -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
-    "[-version] "
-    "[-help]\n\n"
-    "Moves soft disks (two solved axes) or spheres (three) with friction on the case in DIR (default: here), by the\n"
-    "program lmp of LAMMPS, which must be in PATH (Debian: apt-get install lammps). The case is one of granularGas or\n"
-    "granularMD, with  application granularDEM;  in system/controlDict and  contact { .. }  in\n"
-    "constant/particleProperties. Fields rho alpha U T p TComponents pComponents pShear omega are written as means "
-    "over grains and contacts, "
-    "the\n"
-    "grains themselves as lagrangian/grains, and the commands of LAMMPS as dem/in.lammps.\n\n"
-    "  -np N        LAMMPS runs on N ranks; a restart has the same bits on the same number\n"
-    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
-    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
-    "  -listModels  parameters and function objects\n"
-    "  -listBCs     boundary conditions\n"
-    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
-    "  -debug       the way an error took through the program\n"
-    "  -version     version, compiler, licence\n\n"
-    "Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+static const struct medium_help help = {
+    .about = "Moves soft disks (two solved axes) or spheres (three) with friction on the case in DIR (default: here), "
+             "by the\n"
+             "program lmp of LAMMPS, which must be in PATH (Debian: apt-get install lammps). The case is one of "
+             "granularGas or\n"
+             "granularMD, with  application granularDEM;  in system/controlDict and  contact { .. }  in\n"
+             "constant/particleProperties. Fields rho alpha U T p TComponents pComponents pShear omega are written as "
+             "means\n"
+             "over grains and contacts, the grains themselves as lagrangian/grains, and the commands of LAMMPS as\n"
+             "dem/in.lammps.\n",
+    .usage = "[-np N]",
+    .own = "  -np N        LAMMPS runs on N ranks; a restart has the same bits on the same number\n",
+    .end = "Signals, stopAt, the lock and the exit codes are those of granularGas.\n",
+};
 
 const struct medium_type dem_medium = {
     .application = "granularDEM",
-    .help = help,
+    .help = &help,
     .list_models = grains_models_list_soft,
     .list_boundaries = list_boundaries,
     .keywords = grains_models_keywords_soft,

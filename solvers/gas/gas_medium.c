@@ -492,25 +492,20 @@ static const struct patch_field *gas_patch(const struct medium *m, int quantity,
     return NULL;
 }
 
-static const char help[] =
-    "granularGas -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
-    "[-version] [-help]\n\n"
-    "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n\n"
-    "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n"
-    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
-    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
-    "  -listModels  models, schemes and function objects with their parameters\n"
-    "  -listBCs     boundary conditions\n"
-    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
-    "  -debug       the way an error took through the program\n"
-    "  -version     version, compiler, licence\n\n"
-    "SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, or stopAt writeNow in system/controlDict: the state is written "
-    "and\n"
-    "the run ends. One run at a time works on a case (DIR/.haff.lock); checkCase and caseToVTK may read "
-    "meanwhile.\n"
-    "Exit codes: 0 done or stopped as asked; 1 the case or the command line is wrong, nothing was written; 2 the "
-    "gas\nleft the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
-    "MPI.\n";
+static const struct medium_help help = {
+    .about = "Solves the hydrodynamics of a granular gas on the case in DIR (default: here).\n",
+    .usage = "[-np N]",
+    .own =
+        "  -np N        on N ranks, the same as  mpirun -np N granularGas ...; the results are the same to the bit\n",
+    .end = "SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, or stopAt writeNow in system/controlDict: the state is written "
+           "and\n"
+           "the run ends. One run at a time works on a case (DIR/.haff.lock); checkCase and caseToVTK may read "
+           "meanwhile.\n"
+           "Exit codes: 0 done or stopped as asked; 1 the case or the command line is wrong, nothing was written; 2 "
+           "the gas\n"
+           "left the admissible states (e.g. inelastic collapse; the last good state was written); 3 disk, memory or "
+           "MPI.\n",
+};
 
 static status gas_follow(struct medium *m, double *dt) {
     *dt = gas_tally_step(of(m)->gas);
@@ -609,7 +604,7 @@ static int gas_medium_seconds(const struct medium *m, struct part_seconds out[PA
 
 const struct medium_type gas_medium = {
     .application = "granularGas",
-    .help = help,
+    .help = &help,
     .list_models = models_list,
     .list_boundaries = boundaries_list,
     .keywords = models_keywords,

@@ -621,29 +621,25 @@ static void medium_crossings(const struct medium *m, int block, crossing_visitor
     if (block == 0) grains_forces_visit(of(m)->forces, visit, context);
 }
 
-static const char help[] =
-    "granularMD -case DIR [-ensemble N [-np P]] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords "
-    "[NAME]] [-version] [-help]\n\n"
-    "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): smooth\n"
-    "inelastic impacts, gravity, walls of any shape, inlets, shaking. The case is one of granularGas, with\n"
-    "application granularMD;  in system/controlDict: grains are put where alpha says and move as U and T say;\n"
-    "fields rho alpha U T p TComponents (T along each axis) are written as means over grains and impacts,\n"
-    "the grains themselves as lagrangian/grains.\n"
-    "constant/particleProperties, which may be missing, holds what belongs to grains alone.\n\n"
-    "  -ensemble    runs N members with the seeds 1 .. N, P of them at once, in DIR/ensemble; DIR gets the means over\n"
-    "               all members, and their standard errors as alphaError, UError .. (haff ensemble)\n"
-    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
-    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
-    "  -listModels  parameters and function objects\n"
-    "  -listBCs     boundary conditions\n"
-    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
-    "  -debug       the way an error took through the program\n"
-    "  -version     version, compiler, licence\n\n"
-    "A run takes one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+static const struct medium_help help = {
+    .about =
+        "Moves hard disks (two solved axes) or spheres (three) by exact events on the case in DIR (default: here): "
+        "smooth\n"
+        "inelastic impacts, gravity, walls of any shape, inlets, shaking. The case is one of granularGas, with\n"
+        "application granularMD;  in system/controlDict: grains are put where alpha says and move as U and T say;\n"
+        "fields rho alpha U T p TComponents (T along each axis) are written as means over grains and impacts,\n"
+        "the grains themselves as lagrangian/grains.\n"
+        "constant/particleProperties, which may be missing, holds what belongs to grains alone.\n",
+    .usage = "[-ensemble N [-np P]]",
+    .own = "  -ensemble    runs N members with the seeds 1 .. N, P of them at once, in DIR/ensemble; DIR gets the "
+           "means over\n"
+           "               all members, and their standard errors as alphaError, UError .. (haff ensemble)\n",
+    .end = "A run takes one rank. Signals, stopAt, the lock and the exit codes are those of granularGas.\n",
+};
 
 const struct medium_type grains_medium = {
     .application = "granularMD",
-    .help = help,
+    .help = &help,
     .list_models = grains_models_list,
     .list_boundaries = grains_boundaries_list,
     .keywords = grains_models_keywords,

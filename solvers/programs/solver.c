@@ -12,6 +12,21 @@ static void go_through(struct keywords *k, const void *type) {
     ((const struct medium_type *)type)->keywords(k);
 }
 
+static const char common_options[] =
+    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
+    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
+    "  -listModels  models, schemes and function objects with their parameters\n"
+    "  -listBCs     boundary conditions\n"
+    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
+    "  -debug       the way an error took through the program\n"
+    "  -version     version, compiler, licence\n";
+
+static void print_help(const struct medium_type *type) {
+    printf("%s -case DIR %s [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] [-version] "
+           "[-help]\n\n%s\n%s%s\n%s",
+           type->application, type->help->usage, type->help->about, type->help->own, common_options, type->help->end);
+}
+
 int solver_main(int argc, char **argv, const struct medium_type *type) {
     struct options o;
     struct comm *c = NULL;
@@ -20,7 +35,7 @@ int solver_main(int argc, char **argv, const struct medium_type *type) {
     if (o.keywords.asked) return program_end(NULL, lookup_print(&o.keywords, go_through, type), o.debug);
     if (o.help || o.list_models || o.list_boundaries || o.version) {
         if (o.version) program_version(argv[0]);
-        if (o.help) printf("%s", type->help);
+        if (o.help) print_help(type);
         if (o.list_models) {
             type->list_models(stdout);
             printf("\nsystem/controlDict: functions\n");

@@ -394,30 +394,23 @@ static status mixture_save(const struct medium *m, const char *folder, const cha
     return totals_save(&of(m)->first, 1, folder, location, sums);
 }
 
-static const char help[] =
-    "granularSegregation -case DIR [-np N] [-dry-run] [-strict] [-debug] [-listModels] [-listBCs] [-keywords [NAME]] "
-    "[-version] [-help]\n\n"
-    "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
-    "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through walls,\n\n"
-    "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes among "
-    "them, and\n"
-    "carried by a flow U: of the start folder, or of a time of a granularGas case (velocity { case ..; time ..; }), "
-    "with "
-    "its\n"
-    "density as weight if asked for. Second order in time and space, conservative and bounded.\n\n"
-    "  -np N        on N ranks, with the same results: each has a slab of a lattice; a line is computed by every rank\n"
-    "  -dry-run     reads and checks everything, says what a run would do, writes nothing (see checkCase)\n"
-    "  -strict      warnings are errors, but for those of  acceptWarnings (NAME ..);  in system/controlDict\n"
-    "  -listModels  models, schemes and function objects with their parameters\n"
-    "  -listBCs     boundary conditions\n"
-    "  -keywords    every keyword of every file with type, range, default, meaning; or those named NAME\n"
-    "  -debug       the way an error took through the program\n"
-    "  -version     version, compiler, licence\n\n"
-    "Signals, stopAt, the lock and the exit codes are those of granularGas.\n";
+static const struct medium_help help = {
+    .about = "Solves the segregation of small from large grains on the case in DIR (default: here):\n\n"
+             "    phi_t + div (U phi + f phi (1 - phi) d - D grad phi) = 0, without flux through walls,\n\n"
+             "on a line of cells by the implicit scheme of Christov (2018); on a lattice factored by axes, cyclic axes "
+             "among\n"
+             "them, and carried by a flow U: of the start folder, or of a time of a granularGas case\n"
+             "(velocity { case ..; time ..; }), with its density as weight if asked for.\n"
+             "Second order in time and space, conservative and bounded.\n",
+    .usage = "[-np N]",
+    .own = "  -np N        on N ranks, with the same results: each has a slab of a lattice; every rank computes a line "
+           "whole\n",
+    .end = "Signals, stopAt, the lock and the exit codes are those of granularGas.\n",
+};
 
 const struct medium_type segregation_medium = {
     .application = "granularSegregation",
-    .help = help,
+    .help = &help,
     .list_models = segregation_models_list,
     .list_boundaries = segregation_boundaries_list,
     .keywords = segregation_models_keywords,
