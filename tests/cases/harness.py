@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs short forms of the cases through the real programs, in a temporary folder."""
+import contextlib
 import functools
+import io
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+import warnings
 
 SOURCE = os.environ.get("HAFF_SOURCE", os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..")))
 BIN = os.environ.get("HAFF_BIN", os.path.join(SOURCE, "build", "bin"))
-os.environ["PYTHONPATH"] = os.path.join(SOURCE, "postprocessing")  # of the commands that tests run
+os.environ.update(PYTHONPATH=os.path.join(SOURCE, "postprocessing"), HAFF_BIN=BIN)  # of the commands that tests run
 sys.path.insert(0, os.environ["PYTHONPATH"])
 
 import haff  # noqa: E402
+from haff import __main__ as commands  # noqa: E402
 from haff.case import entries as dictionary  # noqa: E402
 from haff.runs import expected  # noqa: E402
 from studies.made import boxes  # noqa: E402
@@ -29,6 +33,28 @@ def program(name, *arguments, ranks=1, check=True, timeout=900):
     if check and done.returncode:
         raise AssertionError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout[-2000:]}{done.stderr[-4000:]}")
     return done
+
+
+def command(*words, cwd=None):
+    """What `haff WORDS` does, called in this process, for a start of Python takes longer than most commands. Returns what subprocess.run
+    would; what programs print that the command starts is not in it."""
+    out, said, was = io.StringIO(), io.StringIO(), sys.argv
+    sys.argv = ["haff", *words]
+    if "haff.plot.script" in sys.modules:
+        sys.modules["haff.plot.script"].options.cache_clear()
+    try:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said), contextlib.chdir(cwd or "."), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            code = commands.main()
+    except SystemExit as end:
+        code = end.code
+        if isinstance(code, str):
+            code, said = 1, io.StringIO(code)
+    finally:
+        sys.argv = was
+        if "matplotlib.pyplot" in sys.modules:
+            sys.modules["matplotlib.pyplot"].close("all")
+    return subprocess.CompletedProcess(["haff", *words], code or 0, out.getvalue(), said.getvalue())
 
 
 def refused(test, case, place, cure):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """No command ends in a traceback: each is called on shipped cases without a mesh, on small runs of every kind, and on damaged ones. It
-ends with code 0, or with one message that names the file and is its own: the last resort of haff.command (`ended`) counts as a fault here.
-
-The commands are called in this process, for a start of Python takes longer than most of them."""
+ends with code 0, or with one message that names the file and is its own: the last resort of haff.command (`ended`) counts as a fault here."""
 import contextlib
 import io
 import os
@@ -11,13 +9,10 @@ import shutil
 import subprocess
 import sys
 import unittest
-import warnings
 
 from tests.cases import harness
-from tests.cases.harness import haff
 
 from haff import __main__ as haff_main, command
-from haff.plot import script
 
 STUDIES = "faradayDiagram faradayOnset workPrecision denseShocks scaling marquinaStability segregationPrecision figure1 riemann obliqueShock layer segregation checkCases serna muI".split()
 PROGRAMS = ("checkCase", "initialFields", "caseToVTK")
@@ -26,22 +21,8 @@ LAST = "0.015"
 
 def called(*words):
     """(exit code, stdout, stderr) of `haff WORDS`."""
-    out, said, was = io.StringIO(), io.StringIO(), sys.argv
-    sys.argv = ["haff", *words]
-    script.options.cache_clear()
-    try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            code = haff_main.main()
-    except SystemExit as end:
-        code = end.code
-        if isinstance(code, str):
-            code, said = 1, io.StringIO(code)
-    finally:
-        sys.argv = was
-        if "matplotlib.pyplot" in sys.modules:
-            sys.modules["matplotlib.pyplot"].close("all")
-    return code or 0, out.getvalue(), said.getvalue()
+    done = harness.command(*words)
+    return done.returncode, done.stdout, done.stderr
 
 
 def text(path):

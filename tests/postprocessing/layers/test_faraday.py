@@ -4,8 +4,6 @@ from arrays and from the files of a case. The mean of the strongest wavelengths 
 import os
 import re
 import shutil
-import subprocess
-import sys
 import tempfile
 import unittest
 
@@ -188,7 +186,7 @@ class Files(unittest.TestCase):
         """A layer that is not shaken has heights, and no phases: the command says so."""
         os.remove(os.path.join(self.case, "constant", "shaking"))
         self.layer(1, lambda x: 8 + 0 * x)
-        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case], capture_output=True, text=True)
+        done = harness.command("faraday", self.case)
         self.assertEqual((done.returncode, done.stdout), (1, ""))
         self.assertRegex(done.stderr, r"is not shaken \(it has no constant/shaking\)")
 
@@ -290,10 +288,10 @@ class Files(unittest.TestCase):
                 boxes.write_field(self.case, "T", np.full(len(x), 2.0), time="%g" % ((n + phase) / 4))
         boxes.write_dictionary(self.case, "constant", "granularProperties", "grain { diameter 1; mass 1; restitution 0.75; }\n")
         out = os.path.join(self.case, "figures")
-        done = subprocess.run([sys.executable, "-m", "haff", "faradayFigures", self.case, self.case, out, "-gas", "1", "-grains", "2"], capture_output=True, text=True)
+        done = harness.command("faradayFigures", self.case, self.case, out, "-gas", "1", "-grains", "2")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(sorted(os.listdir(out)), ["mach.png", "momentum.png", "patterns.png", "profiles.png"])
-        alone = subprocess.run([sys.executable, "-m", "haff", "faradayFigures", self.case, self.case, out + "5", "-gas", "1", "-grains", "2", "-only", "mach"], capture_output=True, text=True)
+        alone = harness.command("faradayFigures", self.case, self.case, out + "5", "-gas", "1", "-grains", "2", "-only", "mach")
         self.assertEqual((alone.returncode, os.listdir(out + "5")), (0, ["mach.png"]), alone.stderr)
         self.assertEqual(alone.stdout.splitlines()[-1], os.path.join(out + "5", "mach.png"), "the last line is the path, as Allrun wants")
         heap = [float(v) for v in re.findall(r"^grains t = .*?heap at t = 0: at the plate (\S+),", done.stdout, re.M)]
@@ -312,15 +310,14 @@ class Files(unittest.TestCase):
                 up = lambda x: high * (-1)**n * np.cos(2 * np.pi * x / 30)
                 self.layer((n + 1 + phase) / 4, lambda x: 8 + up(x) + noise[(x / 2).astype(int)])
         picture = os.path.join(self.case, "pattern.png")
-        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case, "-of", "height", "-from", "3", "-figure", picture],
-                              capture_output=True, text=True)
+        done = harness.command("faraday", self.case, "-of", "height", "-from", "3", "-figure", picture)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"^pattern: wavelength 30 \(24 \.\. 40\), centroid 30")
         last = re.search(r"phase 0.000 of the period, cycles 3 to 8: amplitude of height (\S+), "
                          r"mean height of the columns (\S+)\n", done.stdout)
         np.testing.assert_allclose([float(v) for v in last.groups()], [2, 8], atol=0.1)
         self.assertTrue(os.path.exists(picture))
-        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case, "-from", "7.9"], capture_output=True, text=True)
+        done = harness.command("faraday", self.case, "-from", "7.9")
         self.assertEqual(done.returncode, 1)
         self.assertIn("three cycles", done.stderr)
 
@@ -332,7 +329,7 @@ class Files(unittest.TestCase):
         found = faraday.Layer(self.case).profile("1", dim=3)
         np.testing.assert_allclose(found["T"], 3, rtol=1e-9)
         np.testing.assert_allclose(found["U"], 2 * found["y"], rtol=1e-12)
-        done = subprocess.run([sys.executable, "-m", "haff", "faraday", self.case], capture_output=True, text=True)
+        done = harness.command("faraday", self.case)
         self.assertEqual(done.returncode, 1)
         self.assertIn("1 cells wide", done.stderr)
 

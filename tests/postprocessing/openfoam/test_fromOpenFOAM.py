@@ -27,8 +27,7 @@ needs_foam = unittest.skipUnless(rhocentral.installed(), rhocentral.MISSING)
 
 
 def command(*words):
-    return subprocess.run([sys.executable, "-m", "haff", "fromOpenFOAM", *words], capture_output=True, text=True, timeout=120,
-                          env={**os.environ, "HAFF_BIN": harness.BIN})
+    return harness.command("fromOpenFOAM", *words)
 
 
 class Converting(harness.Folder):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """haffPlot, haffMovie and haffLog as they are called: files made and files left alone, exit codes, what they say when something is wrong."""
-import contextlib
 import fcntl
-import io
 import os
 import shutil
 import struct
@@ -19,25 +17,12 @@ COMMANDS = os.path.join(harness.SOURCE, "postprocessing", "bin", "haff")
 MAGIC = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
 
 
-def call(name, *words, **options):
-    """Runs a command of haff under its name; a link to bin/haff is what the build makes."""
-    command = [sys.executable, COMMANDS, name, *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, **options)
+call = harness.command
 
 
-def plotted(*words):
-    """The exit code and the message of haffPlot, called in this process: a start of Python takes longer than a picture."""
-    from haff.plot import plotCase
-    told, was = io.StringIO(), sys.argv
-    sys.argv = ["haffPlot", *words]
-    try:
-        with contextlib.redirect_stderr(told), contextlib.redirect_stdout(told):
-            code = plotCase.main()
-    except SystemExit as e:
-        code = e.code
-    finally:
-        sys.argv = was
-    return code, told.getvalue()
+def alone(name, *words):
+    """A command of haff in a process of its own; links to bin/haff are what the build makes."""
+    return subprocess.run([sys.executable, COMMANDS, name, *words], capture_output=True, text=True, timeout=120)
 
 
 class Called(harness.Folder, unittest.TestCase):
@@ -50,11 +35,6 @@ class Called(harness.Folder, unittest.TestCase):
             cases.fields(cls.path, time, alpha=k * at[:, 0], T=1 + at[:, 1])
 
     def refused(self, code, message, name, *words):
-        if name == "Plot":
-            found, told = plotted(*words)
-            self.assertEqual(found, code, told)
-            self.assertRegex(told, message)
-            return
         done = call(name, *words)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         self.assertRegex(done.stderr, message)
@@ -70,7 +50,7 @@ class Called(harness.Folder, unittest.TestCase):
 class Plot(Called):
     def test_without_options(self):
         before = cases.files(self.path)
-        done = call("Plot", self.path)
+        done = alone("Plot", self.path)
         made = "postProcessing/figures/alpha-T.png"
         self.assertEqual((done.returncode, done.stdout), (0, os.path.join(self.path, made) + "\n"), done.stderr)
         self.only_new(before, made)
@@ -102,12 +82,12 @@ class Plot(Called):
             with self.subTest(words):
                 self.refused(2, message, "Plot", self.path, *words)
         self.refused(2, "required: CASE", "Plot")
-        self.assertEqual(call("Plot", self.path, "-range", "2:1").returncode, 2)
+        self.assertEqual(alone("Plot", self.path, "-range", "2:1").returncode, 2)
 
     def test_cases_that_cannot_be_drawn(self):
         self.refused(1, "no field 'alpa' at time 1.5; did you mean alpha", "Plot", self.path, "alpa")
         self.refused(1, "no time 7; the nearest is 1.5, the times are 0.5 1 1.5", "Plot", self.path, "-time", "7")
-        self.assertEqual(call("Plot", self.path, "alpa").returncode, 1)
+        self.assertEqual(alone("Plot", self.path, "alpa").returncode, 1)
         self.refused(1, "is no case directory", "Plot", self.folder)
         empty = os.path.join(self.folder, "empty")
         cases.control(empty)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """haff figure: where the figure of a case goes, of its own run and of another, and that the case's own picture is not touched."""
 import os
-import subprocess
-import sys
 import tempfile
 import unittest
+
+from tests.cases import harness
 
 FIGURE = """from haff.plot import figures, script
 fig, axes = figures.panels(1, 1)
@@ -26,7 +26,7 @@ class Script(unittest.TestCase):
             f.write("kept")
 
     def figure(self, *arguments, code=0):
-        done = subprocess.run([sys.executable, "-m", "haff", "figure", *arguments], capture_output=True, text=True)
+        done = harness.command("figure", *arguments)
         self.assertEqual(done.returncode, code, done.stderr)
         return done.stdout.strip() or done.stderr
 

@@ -2,7 +2,6 @@
 """haff.compare: differences on the coarser mesh are those of exact means over its cells, whatever the two meshes are."""
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -10,7 +9,8 @@ import unittest.mock
 
 import numpy as np
 
-from tests.cases.harness import BIN, SOURCE, boxes, haff
+from tests.cases import harness
+from tests.cases.harness import BIN, boxes, haff
 from haff.runs import compare as module
 from studies.made import triangles
 
@@ -207,8 +207,7 @@ class Compared(unittest.TestCase):
     def test_command(self):
         a = self.box("a", (4, 3, 1), {"T": np.zeros(12)})
         b = self.box("b", (4, 3, 1), {"T": np.full(12, 0.1)})
-        run = lambda *words: subprocess.run([sys.executable, "-m", "haff", "compare", *words], capture_output=True, text=True, cwd=self.folder,
-                                            env={**os.environ, "PYTHONPATH": os.path.join(SOURCE, "postprocessing")})
+        run = lambda *words: harness.command("compare", *words, cwd=self.folder)
         done = run(a.path, b.path, "-csv", "t.csv", "-o", "f.png")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(done.stdout.splitlines()[1].split()[:3], ["0.5", "T", "0.1"])

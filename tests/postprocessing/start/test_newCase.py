@@ -70,7 +70,7 @@ class NewCase(harness.Folder, unittest.TestCase):
         return path
 
     def call(self, *words, code=0, cwd=None):
-        done = subprocess.run([os.path.join(harness.BIN, "newCase"), *words], capture_output=True, text=True, cwd=cwd or self.folder, timeout=300)
+        done = harness.command("newCase", *words, cwd=cwd or self.folder)
         self.assertEqual(done.returncode, code, done.stdout[-1500:] + done.stderr[-1500:])
         return done.stdout if code == 0 else done.stderr
 

@@ -15,7 +15,7 @@ from haff.case import entries
 @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not there")
 class Problems(harness.Folder, unittest.TestCase):
     def call(self, *words, code=0):
-        done = subprocess.run([os.path.join(harness.BIN, "newCase"), *words], capture_output=True, text=True, cwd=self.folder)
+        done = harness.command("newCase", *words, cwd=self.folder)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 

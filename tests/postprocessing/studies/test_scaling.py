@@ -151,7 +151,7 @@ class Model(unittest.TestCase):
 
 class Command(harness.Folder, unittest.TestCase):
     def haff(self, *words):
-        return subprocess.run([os.path.join(harness.BIN, "haff"), "scaling", *words], capture_output=True, text=True)
+        return harness.command("scaling", *words)
 
     def test_report(self):
         """The case stays as it was, and each table has its rows: counted, times, strong and weak."""

@@ -17,8 +17,7 @@ needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}:
 
 
 def command(*words):
-    return subprocess.run([sys.executable, "-m", "haff", "tutorials", *words], capture_output=True, text=True, timeout=120,
-                          env={**os.environ, "HAFF_BIN": harness.BIN})
+    return harness.command("tutorials", *words)
 
 
 class Tutorials(harness.Folder, unittest.TestCase):

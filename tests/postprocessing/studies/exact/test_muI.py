@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The law of Jop, Forterre & Pouliquen: Bagnold's flow without side walls, what side walls take of it, where nothing flows."""
-import subprocess
-import sys
 import unittest
 
 import numpy as np
 
-from tests.cases import harness  # noqa: F401 puts the package on the path
+from tests.cases import harness
 from studies.exact import muI
 
 
@@ -47,7 +45,7 @@ class Layers(unittest.TestCase):
         self.assertLess(muI.channel(20.5, 22.5, 24, 20)[0], muI.FLAT * 22.5)
 
     def test_command(self):
-        done = subprocess.run([sys.executable, "-m", "haff", "muI", "-slope", "25", "-cells", "16"], capture_output=True, text=True)
+        done = harness.command("muI", "-slope", "25", "-cells", "16")
         self.assertEqual(done.returncode, 0, done.stderr)
         velocity, flow = muI.bagnold(25, 22.5)
         self.assertIn(f"without side walls: V* {velocity:.2f}, Q* {flow:.1f}\n", done.stdout)
