@@ -26,9 +26,10 @@ SKEWED = foam.BLOCKS.replace("(5 1 -1)", "(5 1.5 -1)").replace("(5 1 1)", "(5 1.
 needs_foam = unittest.skipUnless(rhocentral.installed(), rhocentral.MISSING)
 
 
-def command(*words):
-    return subprocess.run([sys.executable, "-m", "haff", "fromOpenFOAM", *words], capture_output=True, text=True, timeout=120,
-                          env={**os.environ, "HAFF_BIN": harness.BIN})
+def command(*words, cwd=None, path=""):
+    """path: a folder of programs that come before others."""
+    return subprocess.run([sys.executable, "-m", "haff", "fromOpenFOAM", *words], capture_output=True, text=True, timeout=120, cwd=cwd,
+                          env={**os.environ, "HAFF_BIN": harness.BIN, "PATH": path + os.pathsep + os.environ["PATH"]})
 
 
 class Converting(harness.Folder):
@@ -176,6 +177,16 @@ class Meshes(Converting, unittest.TestCase):
         new = self.converted(case, "-> 0.004/rho")
         harness.program("granularGas", "-case", new)
         self.assertEqual(haff.Case(new).times, ["0.004", "0.005"])
+
+    def test_relative_path(self):
+        """blockMesh gets the dictionaries of a case that is named from the folder above it."""
+        foam.write(self.folder, SKEWED)
+        with open(os.path.join(self.folder, "blockMesh"), "w") as f:
+            f.write('#!/bin/sh\necho given: $(ls "$2/constant" "$2/system") >&2\nexit 1\n')
+        os.chmod(f.name, 0o755)
+        done = command("foam", "haff", cwd=self.folder, path=self.folder)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, "blockMesh failed: given: .*/constant: thermophysicalProperties turbulenceProperties .*/system: blockMeshDict")
 
     def test_without_block_mesh(self):
         case = foam.write(self.folder, SKEWED)
