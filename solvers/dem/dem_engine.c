@@ -63,25 +63,25 @@ static status send_deck(struct dem_engine *e, const char *data, const char *rest
     return lammps_wait(e->lammps);
 }
 
-static status fill(struct dem_engine *e, int ranks, const char *folder, const struct dem_moment *start,
-                   const char *restart, int nold) {
+static status fill(struct dem_engine *e, int ranks, bool (*asked)(void), const char *folder,
+                   const struct dem_moment *start, const char *restart, int nold) {
     const struct dem_law *law = &e->law;
     char data[TEXT + 32];
     snprintf(e->folder, sizeof e->folder, "%s", folder);
     snprintf(data, sizeof data, "%s/grains.data", folder);
     TRY(allocate(&e->index, nold + 1, sizeof(int), "grains"));
-    TRY(lammps_start(ranks, &e->lammps));
+    TRY(lammps_start(ranks, asked, &e->lammps));
     if (start) TRY(dem_deck_data(law, start, data));
     if (law->walls->facets) TRY(dem_deck_surface(law->walls, folder));
     return send_deck(e, data, restart, true);
 }
 
-status dem_engine_make(const struct dem_law *law, int ranks, const char *folder, const struct dem_moment *start,
-                       const char *restart, struct dem_engine **out) {
+status dem_engine_make(const struct dem_law *law, int ranks, bool (*asked)(void), const char *folder,
+                       const struct dem_moment *start, const char *restart, struct dem_engine **out) {
     *out = NULL;
     TRY(allocate(out, 1, sizeof **out, "grains"));
     **out = (struct dem_engine){.law = *law, .anew = true};
-    return fill(*out, ranks, folder, restart ? NULL : start, restart, start->nold);
+    return fill(*out, ranks, asked, folder, restart ? NULL : start, restart, start->nold);
 }
 
 void dem_engine_free(struct dem_engine *e) {
@@ -137,9 +137,11 @@ status dem_engine_moment(struct dem_engine *e, struct dem_moment *out) {
     set_dumps(e, 1);
     lammps_send(e->lammps, "run 0 pre no post no");
     set_dumps(e, 1000000000);
-    TRY(status_note(
-        dem_answer_take(e->lammps, &e->law, e->index, out),
-        "LAMMPS did not answer as it should; if the run, started again, ends alike, take another version of "
-        "LAMMPS"));
+    const status answered = dem_answer_take(e->lammps, &e->law, e->index, out);
+    if (answered && lammps_lives(e->lammps))
+        return status_note(answered,
+                           "LAMMPS did not answer as it should; if the run, started again, ends alike, take another "
+                           "version of LAMMPS");
+    TRY(answered);
     return lammps_wait(e->lammps);
 }

@@ -31,10 +31,10 @@ struct dem_law { /* what moves the grains; walls and gravity outlive the engine 
     const struct sources *gravity; /* constant amplitude */
 };
 struct dem_engine;
-/* Starts LAMMPS on some ranks from grains, for which it writes FOLDER/grains.data, or from a restart file (start NULL).
- * The commands are kept as FOLDER/in.lammps, with which lmp runs without haff. */
-status dem_engine_make(const struct dem_law *law, int ranks, const char *folder, const struct dem_moment *start,
-                       const char *restart, struct dem_engine **out);
+/* Starts LAMMPS on some ranks (asked: as lammps_start) from grains, for which it writes FOLDER/grains.data, or from a
+ * restart file (start NULL). The commands are kept as FOLDER/in.lammps, with which lmp runs without haff. */
+status dem_engine_make(const struct dem_law *law, int ranks, bool (*asked)(void), const char *folder,
+                       const struct dem_moment *start, const char *restart, struct dem_engine **out);
 void dem_engine_free(struct dem_engine *e);
 
 /* Sets the time (s) and the length of the steps that follow. With a new length, or `anew`, LAMMPS begins once more from

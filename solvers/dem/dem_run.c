@@ -207,7 +207,7 @@ static status launch(struct dem_run *r) {
     TRY(lammps_ask(&can));
     TRY(case_make_folders(s, folder));
     const bool goes_on = !r->changed && field_exists(restart);
-    TRY(dem_engine_make(&r->law, s->ranks, folder, &r->moment, goes_on ? restart : NULL, &r->engine));
+    TRY(dem_engine_make(&r->law, s->ranks, s->medium->asked, folder, &r->moment, goes_on ? restart : NULL, &r->engine));
     return r->from_cloud ? check_pairs(r) : OK;
 }
 
@@ -232,7 +232,7 @@ static void plan(struct dem_run *r, double to) {
 
 static long piece_steps(const struct dem_run *r) {
     const long left = r->span.n - r->span.done;
-    const double most = r->steps ? PIECE * (double)r->steps / r->spent : FIRST_PIECE;
+    const double most = r->pace > 0 ? PIECE * r->pace : FIRST_PIECE;
     return left < most ? left : most > 1 ? (long)most : 1;
 }
 
@@ -264,7 +264,9 @@ status dem_run_piece(struct dem_run *r, double until, bool *sampled) {
         const long steps = piece_steps(r);
         const double clock = clock_now();
         TRY(dem_engine_run(r->engine, steps));
-        r->spent += clock_now() - clock;
+        const double spent = clock_now() - clock;
+        r->pace = (double)steps / spent;
+        r->spent += spent;
         r->steps += steps;
         p->done += steps;
         r->account.t = p->done == p->n ? p->to : p->from + (double)p->done * p->dt;

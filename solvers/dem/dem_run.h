@@ -36,6 +36,7 @@ struct dem_run {
     struct dem_span span;
     double longest; /* s: the longest step allowed */
     double spent;   /* s of the clock in LAMMPS, without samples; steps: done in them */
+    double pace;    /* steps a second of the clock in the last piece: LAMMPS may have been stopped in one before */
     double sampled; /* s of the clock in samples */
     long steps;
 };

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts LAMMPS, sends it commands and reads its answers (lammps.h). */
-#define _GNU_SOURCE /* environ */
+#define _GNU_SOURCE /* environ, fopencookie */
 #include "solvers/dem/lammps_private.h"
 
 #include "mesh/base/build.h"
 #include "mesh/base/comm.h"
+#include "solvers/dem/child.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdarg.h>
@@ -17,6 +20,7 @@
 #include <unistd.h>
 
 enum { WORDS = 32, MOST_LINES = 1000000 }; /* of no use, one after the other */
+enum { LOOK = 256 };                       /* ms of silence, after which it is looked whether LAMMPS is stopped */
 static const char marker[] = "haff: done";
 static const char go_on[] = "the times written before are whole: start the run again, and it goes on from the last";
 
@@ -65,6 +69,55 @@ static int spawn(char *const command[], bool alone, const int in[2], const int o
     return why;
 }
 
+/* Says once that LAMMPS is stopped. Returns false if it is, and the run is to end: LAMMPS is left then. */
+static bool look(struct lammps *l) {
+    const pid_t stopped = child_stopped(l->pid);
+    if (stopped && !l->told)
+        printf("LAMMPS (pid %d) is stopped;  kill -CONT %d  lets the run go on\n", (int)stopped, (int)stopped);
+    l->told = stopped;
+    l->left = stopped && l->asked && l->asked();
+    return !l->left;
+}
+
+/* Waits until the end of a pipe can be read or written. A signal ends poll, so that a wish to stop is heard at once.
+ */
+static bool await(const struct lammps_pipe *p, short event) {
+    struct pollfd at = {.fd = p->file, .events = event};
+    while (poll(&at, 1, LOOK) < 1)
+        if (!look(p->of)) return false;
+    p->of->told = false;
+    return true;
+}
+
+static ssize_t take(void *cookie, char *text, size_t size) {
+    const struct lammps_pipe *p = cookie;
+    return await(p, POLLIN) ? read(p->file, text, size) : 0;
+}
+
+/* Writes all. As much as PIPE_BUF goes into a pipe that poll calls free, without a wait. */
+static ssize_t give(void *cookie, const char *text, size_t size) {
+    const struct lammps_pipe *p = cookie;
+    for (size_t done = 0; done < size;) {
+        const size_t left = size - done, piece = left < PIPE_BUF ? left : PIPE_BUF;
+        const ssize_t n = await(p, POLLOUT) ? write(p->file, text + done, piece) : 0;
+        if (n <= 0) return 0;
+        done += (size_t)n;
+    }
+    return (ssize_t)size;
+}
+
+static int shut(void *cookie) {
+    return close(((struct lammps_pipe *)cookie)->file);
+}
+
+/* Makes the streams over the ends of the pipes. */
+static void make_streams(struct lammps *l, int to, int from) {
+    l->pipe[0] = (struct lammps_pipe){l, to};
+    l->pipe[1] = (struct lammps_pipe){l, from};
+    l->to = fopencookie(&l->pipe[0], "w", (cookie_io_functions_t){.write = give, .close = shut});
+    l->from = fopencookie(&l->pipe[1], "r", (cookie_io_functions_t){.read = take, .close = shut});
+}
+
 static status launch(char *const command[], bool alone, struct lammps *l) {
     int in[2], out[2];
     if (pipe(in)) return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
@@ -77,8 +130,7 @@ static status launch(char *const command[], bool alone, struct lammps *l) {
     if (why) l->pid = 0;
     close(in[0]);
     close(out[1]);
-    l->to = fdopen(in[1], "w");
-    l->from = fdopen(out[0], "r");
+    make_streams(l, in[1], out[0]);
     if (why == ENOENT && !strcmp(command[0], "lmp")) return missing();
     if (why || !l->to || !l->from) return fail(ERR_SYSTEM, "%s: it cannot be started: %s", command[0], strerror(why));
     return OK;
@@ -90,13 +142,22 @@ static bool read_line(struct lammps *l) {
     return true;
 }
 
+/* Waits until the process has ended, and looks at it ever more seldom. */
+static int reap(struct lammps *l) {
+    int code = 0;
+    for (int pause = 1; waitpid(l->pid, &code, WNOHANG) == 0; pause = pause < LOOK ? 2 * pause : LOOK) {
+        if (l->left || (pause == LOOK && !look(l))) child_kill(l->pid);
+        poll(NULL, 0, pause);
+    }
+    return code;
+}
+
 /* Waits for its end; returns its exit code, or 128 and the number of the signal that ended it. */
 static int end(struct lammps *l) {
-    int code = 0;
     if (l->to) fclose(l->to);
     if (l->from) fclose(l->from);
     l->to = l->from = NULL;
-    if (l->pid > 0) waitpid(l->pid, &code, 0);
+    const int code = l->pid > 0 ? reap(l) : 0;
     l->pid = 0;
     return WIFEXITED(code) ? WEXITSTATUS(code) : 128 + WTERMSIG(code);
 }
@@ -105,6 +166,10 @@ void lammps_free(struct lammps *l) {
     if (!l) return;
     (void)end(l);
     free(l);
+}
+
+bool lammps_lives(const struct lammps *l) {
+    return l->pid > 0;
 }
 
 /* Does a line of the lists that `lmp -h` prints hold a style? */
@@ -142,11 +207,12 @@ status lammps_ask(struct lammps_abilities *out) {
         *out->version ? out->version : "of no version");
 }
 
-status lammps_start(int ranks, struct lammps **out) {
+status lammps_start(int ranks, bool (*asked)(void), struct lammps **out) {
     char number[16], wrapper[4096];
     char *command[WORDS];
     int n = 0;
     TRY(allocate(out, 1, sizeof **out, "LAMMPS"));
+    (*out)->asked = asked;
     if (ranks > 1) {
         snprintf(number, sizeof number, "%d", ranks);
         setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0); /* ranks that wait leave their core to the others */
@@ -170,6 +236,9 @@ void lammps_send(struct lammps *l, const char *format, ...) {
 /* Fails with what it said last. */
 static status died(struct lammps *l) {
     const int code = end(l);
+    if (l->left)
+        return fail(ERR_SYSTEM, "the run was asked to end while LAMMPS was stopped, and ends without its state; %s",
+                    go_on);
     if (*l->error) return fail(ERR_SYSTEM, "LAMMPS ended: %s", l->error);
     if (code == 127) return missing();
     if (code > 128) /* also of a shell or mpirun, whose child a signal ended */

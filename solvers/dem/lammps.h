@@ -21,9 +21,11 @@ struct lammps_abilities {
  * wall/gran/region, its package GRANULAR; the error names Debian's package. */
 status lammps_ask(struct lammps_abilities *out);
 
-/* Starts it, on several ranks by mpirun. */
-status lammps_start(int ranks, struct lammps **out);
-void lammps_free(struct lammps *l); /* ends it */
+/* Starts it, on several ranks by mpirun. While a signal has stopped it (SIGSTOP), all functions wait, and the log says
+ * so; but they fail with ERR_SYSTEM, and end it, once `asked` says that the run is to end. NULL: it never is. */
+status lammps_start(int ranks, bool (*asked)(void), struct lammps **out);
+void lammps_free(struct lammps *l);        /* ends it */
+bool lammps_lives(const struct lammps *l); /* has no function found its end? */
 
 /* Sends a line; errors come with lammps_wait. */
 void lammps_send(struct lammps *l, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -325,6 +325,11 @@ def soft_bed(folder, name):
     return test_softGrains.make(os.path.join(folder, name), "type linear; stiffness 100; friction 0.5;", T=1e-3, alpha=0.1, e=0.9, g=(0, -9.81, 0), end=2.5e-3, interval=5e-4)
 
 
+def before_lammps(fault):
+    """The environment in which the program beside this file stands before LAMMPS."""
+    return {"PATH": os.path.dirname(os.path.abspath(__file__)) + os.pathsep + os.environ["PATH"], "HAFF_FAULT": fault}
+
+
 def answers(folder, kinds, seed=1):
     """The child dies or answers rubbish behind the second written time."""
     if not shutil.which("lmp"):
@@ -337,10 +342,42 @@ def answers(folder, kinds, seed=1):
     for kind in kinds:
         outcome = Outcome(ANSWERS[kind])
         case = soft_bed(folder, f"soft_{kind}")
-        tried = run(case, program=DEM, env={"PATH": os.path.dirname(os.path.abspath(__file__)) + os.pathsep + os.environ["PATH"], "HAFF_FAULT": f"{kind}:{chance.randint(70, 75)}"})
+        tried = run(case, program=DEM, env=before_lammps(f"{kind}:{chance.randint(70, 75)}"))
         outcome.take(case, tried.stdout, tried.stderr)
         if tried.returncode != 3 or not outcome.reported:
             outcome.after.append(f"exit code {tried.returncode}, {outcome.reported} times: {tried.stderr}")
+        again(outcome, case, straight, "0.0025", DEM)
+        yield outcome
+
+
+def runs_on(pid):
+    """Is the process there, and no zombie?"""
+    try:
+        with open(f"/proc/{pid}/stat") as f:
+            return f.read().rpartition(") ")[2][0] not in "ZX"
+    except OSError:
+        return False
+
+
+def child_stops(folder):
+    """A signal stops the child behind the second written time; it is sent on, or the run is asked to end."""
+    if not shutil.which("lmp"):
+        return
+    straight = soft_bed(folder, "stops_straight")
+    run(straight, program=DEM)
+    for ends in (False, True):
+        outcome = Outcome("LAMMPS is stopped (SIGSTOP), then " + ("the run is asked to end (SIGTERM)" if ends else "sent on (SIGCONT)"))
+        case = soft_bed(folder, f"stops{ends}")
+        going, text = start(case, word="LAMMPS (pid", command=(DEM,), env={**os.environ, **before_lammps("stops:72")})
+        said = re.search(r"LAMMPS \(pid (\d+)\) is stopped; .*", text)
+        if ends:
+            going.send_signal(signal.SIGTERM)
+        else:
+            os.kill(int(said[1]), signal.SIGCONT)
+        more, error = rest(going)
+        outcome.take(case, text + more, re.sub(r"\d+", "N", said[0]) + "\n" + error)
+        if going.returncode != (3 if ends else 0) or not outcome.reported or runs_on(said[1]):
+            outcome.after.append(f"exit code {going.returncode}, {outcome.reported} times: {error}")
         again(outcome, case, straight, "0.0025", DEM)
         yield outcome
 
@@ -629,6 +666,7 @@ def every_fault(folder, every, count):
     yield disk_errors(folder, every)
     yield clock_jumps(folder)
     yield from answers(folder, ANSWERS if every == 1 else ("killed", "far", "negative"))
+    yield from child_stops(folder)
     yield child_killed(folder, 1 + count // 50)
     yield from ranks(folder)
     yield from signals(folder)

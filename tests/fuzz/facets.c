@@ -21,6 +21,27 @@ static void try_facet(const struct facet *f, int dim) {
     PROMISE(facet_distance(f, dim, near, normal) <= 1e-6 * length, "the middle of a facet lies on it");
 }
 
+static double square_to(const struct grains_mesh *m, long cell, int dim, const double x[3]) {
+    double square = 0;
+    for (int k = 0; k < dim; k++) square += (m->base.centre[cell][k] - x[k]) * (m->base.centre[cell][k] - x[k]);
+    return square;
+}
+
+/* Beyond each side of the room, where no half spaces tell the cell, that with the nearest centre is found. */
+static void try_outside(const struct grains_mesh *m, int dim) {
+    for (int side = 0; side < 2 * dim && m->search; side++) {
+        const int k = side / 2;
+        double x[3] = {m->base.centre[0][0], m->base.centre[0][1], m->base.centre[0][2]};
+        bool inside;
+        if (m->periodic[k]) continue;
+        x[k] = side % 2 ? 1.5 * m->high[k] - 0.5 * m->low[k] : 1.5 * m->low[k] - 0.5 * m->high[k];
+        const long cell = m->base.locate(&m->base, x, &inside);
+        PROMISE(!inside, "a place beyond the room is in no cell");
+        for (long c = 0; c < m->base.cells; c++)
+            PROMISE(square_to(m, cell, dim, x) <= square_to(m, c, dim, x) * (1 + 1e-9), "the nearest cell is found");
+    }
+}
+
 static void try_room(const struct grains_mesh *m, int dim) {
     const struct facets *f = m->facets;
     for (long c = 0; c < m->base.cells; c++) {
@@ -29,6 +50,7 @@ static void try_room(const struct grains_mesh *m, int dim) {
         PROMISE(cell >= 0 && cell < m->base.cells, "a place has a cell, or a nearest one");
         PROMISE(m->base.volume[c] > 0, "a cell has a volume");
     }
+    try_outside(m, dim);
     if (!f) return;
     PROMISE(f->own > 0 && f->n >= f->own, "walls have facets");
     for (int i = 0; i < f->own; i++) {

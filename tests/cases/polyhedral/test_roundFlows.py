@@ -222,6 +222,18 @@ class RoundFlows(harness.Folder, unittest.TestCase):
                 self.run_case(part)
                 runs.same(self, runs.contents(os.path.join(one, "0.1")), runs.contents(os.path.join(part, "0.1")), "restart")
 
+    def test_axes(self):
+        """Flow about the axis y, whose radius is the first axis of the cells, is flow about x with the axes swapped."""
+        fields = {}
+        for along in "xy":
+            case, x = self.whirl("about" + along, n=(12, 16, 1), end=0.1, along=along)
+            order = np.lexsort((x[:, 0], x[:, 1]))  # x: (along the axis, from the axis)
+            result = self.run_case(case)
+            U = result.field("U")[order]
+            fields[along] = np.column_stack((result.field("T")[order], U[:, [1, 0, 2]] if along == "y" else U))
+        self.assertGreater(np.ptp(fields["x"], axis=0).min(), 0.01)
+        np.testing.assert_allclose(fields["y"], fields["x"], rtol=0, atol=1e-12)
+
     def test_carried(self):
         """What gas carries is conserved over the full turn, within its bounds; a uniform quantity keeps its bits; the same on 3 ranks."""
         for engine in ({}, POLYHEDRAL):

@@ -14,6 +14,8 @@ from tests.cases.harness import boxes
 from tests.cases.runtime import test_energyBudget as audit
 from tests.cases.transport.channels import replace
 
+from haff.case import foam
+
 D, G, PACKED = 1e-3, 9.81, 0.9 * 0.64  # m, m/s^2
 SIZE = (20, 16, 1)  # of a collapse, in grain diameters
 CORNER = "x < 0.007 && y < 0.01 ? 0.6 : 1e-5"
@@ -214,6 +216,21 @@ class Friction(harness.Folder, unittest.TestCase):
         half, alone, less = cooled(0.54, 0.8, rubs), cooled(0.54, 0.8, ""), cooled(0.54, 0.4, "")
         self.assertAlmostEqual(half / less, 1, delta=1e-12)
         self.assertGreater(alone / less, 1.0001)
+
+    def test_ratio(self):
+        """The field stressRatio is |tau|/p of the stresses and pressures that a restart reads, with the normal stresses, also that along z."""
+        case = self.collapse("ratio", end=0.01)
+        runs.add(case, "system/controlDict", "functions { ratio { type writeObjects; objects (stressRatio); writeControl writeTime; } }\n")
+        result, _ = solve(case)
+        cells = int(np.prod(SIZE))
+        p, *sides = (foam.read_field(os.path.join(case, "0.01", "uniform", name), cells) for name in KEPT)
+        carry = sum((side != 0).any(axis=1) for side in sides)
+        xx, xy, _, yy, _, _ = (sum(sides) / np.fmax(carry, 1)[:, None]).T
+        size = np.sqrt(0.5 * (xx**2 + yy**2 + (xx + yy)**2) + xy**2)
+        found, packed = result.field("stressRatio"), (p > 0) & (result.field("alpha") > 0.78 * 0.64)
+        self.assertGreater(np.abs(yy[packed]).max(), 0.1 * np.abs(xy[packed]).max())
+        np.testing.assert_allclose(found[packed], (size / np.where(p > 0, p, 1))[packed], rtol=1e-12)
+        self.assertFalse(found[~packed].any())
 
     # ---- the same bits ----
 

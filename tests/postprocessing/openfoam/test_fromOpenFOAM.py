@@ -30,6 +30,12 @@ def command(*words):
     return harness.command("fromOpenFOAM", *words)
 
 
+def command_beside(folder, *words):
+    """In a folder whose programs come before others, by a Python of its own."""
+    return subprocess.run([sys.executable, "-m", "haff", "fromOpenFOAM", *words], capture_output=True, text=True, timeout=120, cwd=folder,
+                          env={**os.environ, "HAFF_BIN": harness.BIN, "PATH": folder + os.pathsep + os.environ["PATH"]})
+
+
 class Converting(harness.Folder):
     def setUp(self):
         self.folder = tempfile.mkdtemp(dir=type(self).folder)
@@ -175,6 +181,16 @@ class Meshes(Converting, unittest.TestCase):
         new = self.converted(case, "-> 0.004/rho")
         harness.program("granularGas", "-case", new)
         self.assertEqual(haff.Case(new).times, ["0.004", "0.005"])
+
+    def test_relative_path(self):
+        """blockMesh gets the dictionaries of a case that is named from the folder above it."""
+        foam.write(self.folder, SKEWED)
+        with open(os.path.join(self.folder, "blockMesh"), "w") as f:
+            f.write('#!/bin/sh\necho given: $(ls "$2/constant" "$2/system") >&2\nexit 1\n')
+        os.chmod(f.name, 0o755)
+        done = command_beside(self.folder, "foam", "haff")
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, "blockMesh failed: given: .*/constant: thermophysicalProperties turbulenceProperties .*/system: blockMeshDict")
 
     def test_without_block_mesh(self):
         case = foam.write(self.folder, SKEWED)
