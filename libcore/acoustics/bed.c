@@ -67,8 +67,8 @@ static status make_lines(struct bed *b) {
     const struct bed_set *s = &b->set;
     const long cells = (long)s->cells + s->ghosts, sides = s->face_start[s->cells];
     const int variables = b->components + 2;
-    double **of_cell[] = {&x->rho,   &x->eps,      &x->p,        &x->c,      &x->first_p, &x->root,
-                          &x->slack, &x->residual, &x->diagonal, &x->change, &x->growth};
+    double **of_cell[] = {&x->rho,  &x->eps,   &x->p,        &x->c,        &x->first_p, &x->start_p,
+                          &x->root, &x->slack, &x->residual, &x->diagonal, &x->change,  &x->growth};
     double **of_face[] = {&x->drift, &x->give, &x->beyond,  &x->U,      &x->p_face,
                           &x->P[0],  &x->P[1], &x->heat[0], &x->heat[1]};
     enum { OF_CELL = sizeof of_cell / sizeof *of_cell, OF_FACE = sizeof of_face / sizeof *of_face };
@@ -234,10 +234,11 @@ static bool drags(struct bed *b, double dt) {
 static status advance(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
     bool updated = false;
     memcpy(b->lines->first_p, b->lines->p, (size_t)b->set.cells * sizeof(double));
+    bed_find_start(b);
     for (int round = 0; round == 0 || (round < ROUNDS && drags(b, dt)); round++) {
         TRY(bed_rub(b, dt, gravity, true, done));
         if (!*done) return OK;
-        TRY(bed_find_pressure(b, dt, gravity, done));
+        TRY(bed_find_pressure(b, dt, gravity, round > 0, done));
         if (!*done) return OK;
         updated = bed_update(b, dt, gravity);
     }

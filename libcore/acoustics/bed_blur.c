@@ -51,9 +51,8 @@ KERNEL static void blur_loss(int n, const double *restrict rho, const double *re
 /* Finds L/V of n cells. */
 static void find_loss(const struct bed *b, double dt, const double gravity[MAX_DIM], int at, int n, double *loss) {
     const struct bed_lines *x = b->lines;
-    double u[MAX_DIM][BATCH], rho[BATCH], eps[BATCH], start[BATCH], c2[BATCH], gruneisen[BATCH], square[8][BATCH];
+    double u[MAX_DIM][BATCH], rho[BATCH], eps[BATCH], square[8][BATCH];
     blur_primitives(n, b->components, (const double *const *)b->set.start, at, u, rho, eps);
-    b->eos->state(b->material, n, rho, eps, start, c2, gruneisen);
     for (int i = 0; i < 8; i++) memset(square[i], 0, (size_t)n * sizeof(double));
     for (int k = 0; k < b->dim; k++) {
         const double fall = dt * gravity[k];
@@ -68,7 +67,7 @@ static void find_loss(const struct bed *b, double dt, const double gravity[MAX_D
     }
     for (int j = 0; j < 4 && b->rub; j++)
         for (int i = 0; i < n; i++) square[j][i] = smaller(square[j][i], square[j + 4][i]);
-    blur_loss(n, x->rho + at, x->c + at, x->p + at, x->first_p + at, start, square, loss);
+    blur_loss(n, x->rho + at, x->c + at, x->p + at, x->first_p + at, x->start_p + at, square, loss);
 }
 
 static void add_cell(const struct bed *b, int cell, double loss, double sum[SUMS]) {
@@ -99,6 +98,15 @@ static void sum_block(struct bed *b, double dt, const double gravity[MAX_DIM], i
             b->set.peak[block] = loss[i];
             b->set.peak_cell[block] = at + i - b->set.first[block];
         }
+    }
+}
+
+void bed_find_start(struct bed *b) {
+    double u[MAX_DIM][BATCH], rho[BATCH], eps[BATCH], c2[BATCH], gruneisen[BATCH];
+    for (int at = 0, n; at < b->set.cells; at += n) {
+        n = b->set.cells - at < BATCH ? b->set.cells - at : BATCH;
+        blur_primitives(n, b->components, (const double *const *)b->set.start, at, u, rho, eps);
+        b->eos->state(b->material, n, rho, eps, b->lines->start_p + at, c2, gruneisen);
     }
 }
 

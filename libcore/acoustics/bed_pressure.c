@@ -14,7 +14,10 @@ static const double VOLUME = 1e-2;
 /* Residuals are differences of numbers around 1: so much of one is rounding. Close to packing, where a density that is
  * off by its last digit is off by far more in p, no iteration goes below it. */
 static const double NOISE = 8 * 0x1p-52;
-static const double REDUCTION = 1e-4;       /* of the linear residual in one iteration of Newton's method */
+/* An iteration of Newton's method squares the residual, over diagonal times p, and Newton's method ends at CLOSE. A
+ * linear residual of SHARE of both is small beside them. AT_REST: the part that is left of a residual below CLOSE. */
+static const double SHARE = 0.1, AT_REST = 1e-4;
+static const double LIKE = 2; /* p of a cell changes by no more than this factor over the sources and the diffusion */
 static const double FALL = 0.1, RISE = 1e4; /* bounds of p over its old value in one iteration */
 
 /* Returns u.n of the gas beyond a face. */
@@ -198,38 +201,85 @@ static void receive_one(void *bed, double *line) {
     bed_fill_receive(bed, 1, &line);
 }
 
+/* Returns s = dp/p of a cell by that of Newton's method, e. slack of the diagonal is the cell's own compression, with a
+ * volume that is all but linear in 1/p, not in p; the rest, `across` of the diagonal, are faces, which are linear. The
+ * change of volume that Newton's method wants is e = across s + (1 - across) s/(1 + s), if cells around do likewise. */
+ALWAYS_INLINE double bend(double e, double across) {
+    const double half = 0.5 * (1 - e);
+    return e / (half + sqrt(larger(half * half + across * e, 0)));
+}
+
 /* Moves p by Newton's method, within bounds. Returns whether p is a number everywhere on this rank. */
 static bool move_pressure(struct bed *b) {
     const struct bed_lines *x = b->lines;
     bool sound = true;
     for (int i = 0; i < b->set.cells; i++) {
-        const double p = x->p[i];
-        x->p[i] = smaller(larger(p + x->change[i], FALL * p), RISE * p);
+        const double p = x->p[i], own = b->set.shapes->volume[b->set.body[i]] * x->rho[i] * x->slack[i];
+        const double change = p * bend(x->change[i] / p, 1 - own / x->diagonal[i]);
+        x->p[i] = smaller(larger(p + change, FALL * p), RISE * p);
         sound &= isfinite(x->change[i]) && x->p[i] > 0;
     }
     return sound;
 }
 
-/* Solves the linear system of one iteration of Newton's method. again: it is not the first of the step. The first makes
- * the multigrid's aggregates anew, as the first step of a restart must do, which shall have the same bits. */
-static status solve(struct bed *b, bool again, bool *sound) {
+/* Begins with the pressures at the start of the whole step: cooling and diffusion have taken from p since what the
+ * weight gives back. Where p has changed by more than LIKE, something else moves. */
+static void guess_pressure(struct bed *b) {
     const struct bed_lines *x = b->lines;
-    int iterations = 0;
-    const struct multigrid_rows rows = {.blocks = b->set.blocks,
-                                        .first = b->set.first,
-                                        .number = b->set.number,
-                                        .rows = b->set.cells,
-                                        .ghosts = b->set.ghosts,
-                                        .link_first = x->link_first,
-                                        .link = x->link,
-                                        .weight = x->weight,
-                                        .diagonal = x->diagonal,
-                                        .send = send_one,
-                                        .receive = receive_one,
-                                        .context = b};
-    TRY(multigrid_setup(b->multigrid, &rows, again || (b->stage == BED_LAID && multigrid_is_direct(b->multigrid))));
+    for (int i = 0; i < b->set.cells; i++)
+        if (x->start_p[i] < LIKE * x->p[i] && LIKE * x->start_p[i] > x->p[i]) x->p[i] = x->start_p[i];
+}
+
+/* Returns by how much the linear residual is to fall in an iteration that begins at the residual `worst`. */
+static double reduction_at(double worst) {
+    return worst > CLOSE ? SHARE * smaller(larger(worst, CLOSE / worst), 1) : AT_REST;
+}
+
+/* The linear system of the cells, with the present weights and diagonal. */
+static struct multigrid_rows system_of(struct bed *b) {
+    const struct bed_lines *x = b->lines;
+    return (struct multigrid_rows){.blocks = b->set.blocks,
+                                   .first = b->set.first,
+                                   .number = b->set.number,
+                                   .rows = b->set.cells,
+                                   .ghosts = b->set.ghosts,
+                                   .link_first = x->link_first,
+                                   .link = x->link,
+                                   .weight = x->weight,
+                                   .diagonal = x->diagonal,
+                                   .send = send_one,
+                                   .receive = receive_one,
+                                   .context = b};
+}
+
+/* Makes the multigrid's aggregates for gas of one density and little of its own compression. So they follow from the
+ * cells of the bed alone: they hold until these change, and a restart makes the same ones, so that it keeps its bits.
+ */
+static status lay(struct bed *b) {
+    const struct bed_lines *x = b->lines;
+    const struct bed_shapes *h = b->set.shapes;
+    if (b->stage == BED_LAID) return OK;
+    for (int f = 0; f < b->set.faces; f++)
+        x->give[f] = 1 / (h->depth[0][b->set.shape[f]] + h->depth[1][b->set.shape[f]]);
+    find_weights(b, 1);
+    for (int i = 0; i < b->set.cells; i++) {
+        double sum = 0;
+        for (int k = x->link_first[i]; k < x->link_first[i + 1]; k++) sum += x->weight[k];
+        x->diagonal[i] = sum > 0 ? (1 + 1e-6) * sum : 1;
+    }
+    const struct multigrid_rows rows = system_of(b);
+    TRY(multigrid_setup(b->multigrid, &rows, false));
     b->stage = BED_LAID;
-    TRY(multigrid_solve(b->multigrid, &rows, x->residual, REDUCTION, LINEAR_MOST, x->change, &iterations));
+    return OK;
+}
+
+/* Solves the linear system of one iteration of Newton's method, which begins at the residual `worst`. */
+static status solve(struct bed *b, double worst, bool *sound) {
+    const struct bed_lines *x = b->lines;
+    const struct multigrid_rows rows = system_of(b);
+    int iterations = 0;
+    TRY(multigrid_setup(b->multigrid, &rows, true));
+    TRY(multigrid_solve(b->multigrid, &rows, x->residual, reduction_at(worst), LINEAR_MOST, x->change, &iterations));
     b->linear += iterations;
     *sound = move_pressure(b);
     return OK;
@@ -237,14 +287,16 @@ static status solve(struct bed *b, bool again, bool *sound) {
 
 /* Finds the pressures by at least one iteration of Newton's method: if they stayed as they were, the step would be an
  * explicit one, far too long, and round-off would grow. */
-status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done) {
+status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool again, bool *done) {
     bool sound = true;
     b->newton = b->linear = 0;
+    TRY(lay(b));
     find_drift(b, dt, gravity);
     find_weights(b, dt);
+    if (!again) guess_pressure(b);
     double worst = check_pressure(b, dt, &sound);
     while ((b->newton == 0 || !(worst < CLOSE)) && sound && b->newton++ < NEWTON_MOST) {
-        TRY(solve(b, b->newton > 1, &sound));
+        TRY(solve(b, worst, &sound));
         worst = check_pressure(b, dt, &sound);
     }
     *done = worst < CLOSE && sound;

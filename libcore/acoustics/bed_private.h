@@ -12,6 +12,7 @@ enum { BLUR_SUMS = 4 + MAX_DIM }; /* of each block (bed_blur.c) */
 struct bed_lines {
     /* [cells + ghosts] of the start */
     double *rho, *u[MAX_DIM], *eps, *p, *c, *first_p; /* Newton's method moves p, first_p stays */
+    double *start_p; /* [cells + ghosts] p of the cells at the start of the whole step */
     /* [cells + ghosts] of Newton's method: root rho and -tau' of (*), residual and diagonal times V, change of p */
     double *root, *slack, *residual, *diagonal, *change;
     /* [cells + ghosts] after acoustics: rho, u, eps; L - 1 */
@@ -136,8 +137,9 @@ void bed_deal_states(struct bed *b);              /* from b->home to b->set */
 void bed_deal_results(struct bed *b);             /* back */
 void bed_deal_pushed(struct bed *b);              /* back: `pushed` alone */
 void bed_find_links(struct bed *b);               /* of the linear system */
-/* Finds p, U and root of the step; *done as bed_step. */
-status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool *done);
+/* Finds p, U and root of the step; *done as bed_step. again: x->p is a result of this step. */
+status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool again, bool *done);
+void bed_find_start(struct bed *b); /* start_p */
 /* Returns the energy (J/m^3) that a cell and those beside it had at the start: a cell that is lifted by more shows that
  * the step is far too long for what hits it. */
 double bed_energy_near(const struct bed *b, int cell);

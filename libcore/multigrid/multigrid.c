@@ -4,13 +4,39 @@
  * after. */
 #include "libcore/multigrid/multigrid_private.h"
 
+/* Blocks do not see each other in a sweep. So rows of several of them are done in turn: the processor need not wait for
+ * the row before. */
+enum { AT_ONCE = 4 };
+
+struct turns { /* of blocks with rows that are left: at < end */
+    int next, at[AT_ONCE], end[AT_ONCE];
+};
+
+/* Gives turn t another block where it has done its own; returns whether it has a row. */
+ALWAYS_INLINE bool has_row(const struct level *l, struct turns *s, int t) {
+    for (; s->at[t] == s->end[t] && s->next < l->blocks; s->next++) {
+        s->at[t] = l->block[s->next];
+        s->end[t] = l->block[s->next + 1];
+    }
+    return s->at[t] < s->end[t];
+}
+
+ALWAYS_INLINE double sum_links(const struct level *l, int first, int end, double sum) {
+    for (int k = first; k < end; k++) sum += l->weight[k] * l->x[l->link[k]];
+    return sum;
+}
+
 /* x = M^-1 r with M = D + L in each block, from x = 0. */
 static void sweep_forward(const struct level *l) {
-    double *x = l->x;
-    for (int i = 0; i < l->rows; i++) {
-        double sum = l->r[i];
-        for (int k = l->first[3 * i]; k < l->first[3 * i + 1]; k++) sum += l->weight[k] * x[l->link[k]];
-        x[i] = sum * l->inverse[i];
+    struct turns s = {0};
+    for (bool any = true; any;) {
+        any = false;
+        for (int t = 0; t < AT_ONCE; t++) {
+            if (!has_row(l, &s, t)) continue;
+            const int i = s.at[t]++;
+            l->x[i] = sum_links(l, l->first[3 * i], l->first[3 * i + 1], l->r[i]) * l->inverse[i];
+            any = true;
+        }
     }
 }
 
@@ -39,15 +65,19 @@ static void restrict_outside(const struct level *l, double *r) {
 
 /* Improves x by M' = D + U; other blocks' values are those from before. */
 static void sweep_backward(const struct level *l) {
-    double *x = l->x;
+    struct turns s = {0};
     for (int e = 0; e < l->edges; e++) {
         l->kept[e] = l->r[l->edge[e]];
         l->r[l->edge[e]] += outside(l, e);
     }
-    for (int i = l->rows - 1; i >= 0; i--) {
-        double sum = l->r[i];
-        for (int k = l->first[3 * i]; k < l->first[3 * i + 2]; k++) sum += l->weight[k] * x[l->link[k]];
-        x[i] = sum * l->inverse[i];
+    for (bool any = true; any;) {
+        any = false;
+        for (int t = 0; t < AT_ONCE; t++) {
+            if (!has_row(l, &s, t)) continue;
+            const int i = --s.end[t];
+            l->x[i] = sum_links(l, l->first[3 * i], l->first[3 * i + 2], l->r[i]) * l->inverse[i];
+            any = true;
+        }
     }
     for (int e = 0; e < l->edges; e++) l->r[l->edge[e]] = l->kept[e];
 }
@@ -198,10 +228,6 @@ static int solve_directly(struct multigrid *m, const double *b, double *x) {
         memcpy(l->c, all->c, (size_t)l->rows * sizeof *x);
     for (int i = 0; i < l->rows; i++) x[i] = l->c[i];
     return largest > 0;
-}
-
-bool multigrid_is_direct(const struct multigrid *m) {
-    return m->spread == 0;
 }
 
 status multigrid_solve(struct multigrid *m, const struct multigrid_rows *rows, const double *b, double reduction,
