@@ -96,11 +96,22 @@ static void *take(size_t bytes) {
     return p;
 }
 
-status allocate(void *out, long count, long size, const char *what) {
-    size_t bytes = ((size_t)count * (size_t)size + 63) / 64 * 64;
-    void *p = count < 0 ? NULL : take(bytes);
+/* Bytes of whole lines of the cache. */
+static size_t lines(long count, long size) {
+    return ((size_t)count * (size_t)size + 63) / 64 * 64;
+}
+
+status allocate_unset(void *out, long count, long size, const char *what) {
+    void *p = count < 0 ? NULL : take(lines(count, size));
     if (!p) return fail(ERR_SYSTEM, "no memory for %s: %ld x %ld bytes", what, count, size);
-    memset(p, 0, bytes);
+    memcpy(out, &p, sizeof p);
+    return OK;
+}
+
+status allocate(void *out, long count, long size, const char *what) {
+    void *p = NULL;
+    TRY(allocate_unset(&p, count, size, what));
+    memset(p, 0, lines(count, size));
     memcpy(out, &p, sizeof p);
     return OK;
 }

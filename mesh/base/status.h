@@ -42,6 +42,9 @@ void status_free(status s); /* OK is allowed */
 /* Sets *out, a pointer to any type, to `count` zeroed objects of `size` bytes, aligned to 64 bytes; the caller calls
  * free(). The error names the objects by `what`. */
 status allocate(void *out, long count, long size, const char *what);
+/* As allocate, but the values are not set: for a large buffer of which a small file fills little. Each page that is
+ * first written costs a page fault, which takes as long as a thousand operations. */
+status allocate_unset(void *out, long count, long size, const char *what);
 /* Gives memory that was freed back to the machine, where the C library keeps it for later: behind a part of the set-up
  * that takes more than it leaves. */
 void release_freed(void);

@@ -11,7 +11,9 @@ status window_open(int file, struct window *out) {
     *out = (struct window){.file = gzdopen(file, "rb")};
     if (!out->file) close(file);
     if (!out->file) return fail(ERR_SYSTEM, "no memory for a part of a file");
-    return allocate(&out->text, WINDOW + 1, 1, "a part of a file");
+    TRY(allocate_unset(&out->text, WINDOW + 1, 1, "a part of a file"));
+    out->text[0] = 0;
+    return OK;
 }
 
 bool window_ends(struct window *w) {

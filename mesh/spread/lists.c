@@ -135,7 +135,7 @@ static status reader_open(struct list_reader *r, const struct comm *c, const cha
     size_t bytes;
     *r = (struct list_reader){.comm = c, .file = -1};
     snprintf(r->path, sizeof r->path, "%s/%s", dir, name);
-    TRY(comm_agree(c, allocate(&r->sent, ROOM, 1, "a part of a file")));
+    TRY(comm_agree(c, allocate_unset(&r->sent, ROOM, 1, "a part of a file")));
     TRY(comm_agree(c, comm_root(c) ? look(r, class_name) : OK));
     comm_broadcast(c, &r->list, sizeof r->list);
     if (!r->list.usual || !r->list.binary || r->list.zipped) return OK;
