@@ -117,6 +117,7 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS OFF) # headers and archives, which cpack would call `file` on one by one
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME haff)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "python3, python3-numpy, python3-matplotlib, openmpi-bin")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "gmsh, python3-scipy, haff-implicit")

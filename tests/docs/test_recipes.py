@@ -91,7 +91,7 @@ class Recipes(unittest.TestCase):
 
     def test_4_they_compile_and_their_tables_pass(self):
         build = os.path.join(self.tree, "build")
-        run("cmake", "-S", self.tree, "-B", build, "-DCMAKE_BUILD_TYPE=Debug", "-DHAFF_WERROR=ON",
+        run("cmake", "-S", self.tree, "-B", build, "-DCMAKE_BUILD_TYPE=Debug", "-DHAFF_WERROR=ON", "-DCMAKE_RULE_MESSAGES=OFF",
             "-DCMAKE_C_FLAGS=-O0 -g0 -DHAFF_NO_CLONES", cwd=self.tree)
         tests = ["libcore_" + os.path.basename(name) for name in TABLE_TESTS]
         run("cmake", "--build", build, "--parallel", "2", "--target", "granularGas", *tests, cwd=self.tree)

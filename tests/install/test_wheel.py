@@ -28,8 +28,8 @@ class Wheel(harness.Folder, unittest.TestCase):
         cls.wheel = call(os.path.join(harness.SOURCE, ".ci/install/makeWheel"), BUILD, os.path.join(cls.folder, "dist"), cwd=cls.folder).strip()
         cls.venv, tools = os.path.join(cls.folder, "venv"), os.path.join(cls.folder, "tools")
         cls.bin = os.path.join(cls.venv, "bin")
-        call("/usr/bin/python3", "-m", "venv", "--system-site-packages", cls.venv, cwd=cls.folder)
-        call(os.path.join(cls.bin, "pip"), "install", "--no-deps", cls.wheel, cwd=cls.folder)
+        call("/usr/bin/python3", "-m", "venv", "--without-pip", "--system-site-packages", cls.venv, cwd=cls.folder)
+        call("/usr/bin/python3", "-m", "pip", "--python", cls.venv, "install", "--no-deps", cls.wheel, cwd=cls.folder)
         os.mkdir(tools)
         for name in TOOLS:
             os.symlink(shutil.which(name), os.path.join(tools, name))
@@ -64,6 +64,7 @@ class Wheel(harness.Folder, unittest.TestCase):
         run(os.path.join(self.bin, "newCase"), "gas", "-box", "2x1", "-cells", "24x12", "-end", "0.2", cwd=self.folder)
         run(os.path.join(self.bin, "newCase"), "grains", "-box", "20x10", "-application", "granularMD", "-grains", "disks", "-diameter", "1", "-end", "0.2", cwd=self.folder)
         gas, pair, grains = (os.path.join(self.folder, name) for name in ("gas", "pair", "grains"))
+        harness.edit(gas, "system/controlDict", writeInterval=0.1)
         shutil.copytree(gas, pair)
         said = run(os.path.join(gas, "Allrun"), cwd=gas)
         self.assertRegex(said, r"(?s)end at time 0.2\b.*The report is ")

@@ -257,19 +257,23 @@ def cloud(canvas, space, values, span, colours, depth=6.0, steps=220):
     column, row = np.arange(0, canvas.width, fine) + fine // 2, np.arange(0, canvas.height, fine) + fine // 2
     x = (column + 0.5 - canvas.width / 2) / canvas.scale + view.middle[0]
     y = (canvas.height / 2 - row - 0.5) / canvas.scale + view.middle[1]
-    flat = x[None, :, None] * view.right + y[:, None, None] * view.up
+    flat = (x[None, :, None] * view.right + y[:, None, None] * view.up).reshape(-1, 3)
     reach = np.abs(view.back) @ space.size / 2
     middle = ((space.low + space.high) / 2) @ view.back
     depths = np.linspace(middle - reach, middle + reach, steps)
-    clear, image = np.ones(flat.shape[:2]), np.zeros((*flat.shape[:2], 3))
-    solid = canvas.depth.reshape(canvas.height, canvas.width)[np.minimum(row, canvas.height - 1)][:, np.minimum(column, canvas.width - 1)]
+    clear, image = np.ones(len(flat)), np.zeros((len(flat), 3))
+    solid = canvas.depth.reshape(canvas.height, canvas.width)[np.minimum(row, canvas.height - 1)][:, np.minimum(column, canvas.width - 1)].ravel()
+    with np.errstate(divide="ignore", invalid="ignore"):  # where the ray of a pixel enters the box, or leaves what is drawn, and where it ends
+        ends = (space.low - flat) / view.back, (space.high - flat) / view.back
+    near, far = np.maximum(np.minimum(*ends).max(axis=1), solid / canvas.scale), np.maximum(*ends).min(axis=1)
+    rays = np.flatnonzero(near < far)
     width = np.array([(m[-1] - m[0]) / max(len(m) - 1, 1) or 1 for m in middles])
+    start, shift = ((flat - [m[0] for m in middles]) / width).T[::-1], (view.back / width)[::-1, None]
     for s in depths[::-1]:
-        place = flat + s * view.back
-        inside = np.all((place > space.low) & (place < space.high), axis=2) & (clear > 0.01) & (s * canvas.scale > solid)
-        if not inside.any():
+        inside = rays[(near[rays] < s) & (s < far[rays]) & (clear[rays] > 0.01)]
+        if not len(inside):
             continue
-        at = ((place[inside] - [m[0] for m in middles]) / width).T[::-1]
+        at = start[:, inside] + s * shift
         here = map_coordinates(level, at, order=1, mode="nearest", prefilter=False)
         left = np.exp(-depth * here**1.5 * 3 / steps * np.linalg.norm(space.size) / space.size.max())
         normal = -np.stack([map_coordinates(g, at, order=1, mode="nearest", prefilter=False) for g in slope], axis=1)
@@ -277,7 +281,7 @@ def cloud(canvas, space, values, span, colours, depth=6.0, steps=220):
         bright = 0.8 + 0.35 * (normal @ canvas.lamp)
         image[inside] += (clear[inside] * (1 - left))[:, None] * np.clip(colours(here)[:, :3] * bright[:, None], 0, 1)
         clear[inside] *= left
-    blend(canvas, image, clear, fine)
+    blend(canvas, image.reshape(len(row), len(column), 3), clear.reshape(len(row), len(column)), fine)
 
 
 def blend(canvas, image, clear, fine):

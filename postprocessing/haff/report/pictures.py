@@ -125,7 +125,7 @@ def drawn(figure, places=None):
             for ax, place in zip(figure.axes, places):
                 ax.set_position(place)
         else:
-            figure.canvas.draw()  # the layout is right the second time: colour bars follow the picture
+            figure.get_layout_engine().execute(figure)  # it is right the second time, when drawn: colour bars follow the picture
         figure.canvas.draw()
         image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
         return image, [ax.get_position(original=True) for ax in figure.axes]

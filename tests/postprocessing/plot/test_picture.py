@@ -273,7 +273,7 @@ class Solids(Pictures):
 
     def test_surface_and_cloud(self):
         for wish in ({"iso": 0.5}, {"volume": True}):
-            figure = self.draw(fields=["alpha"], **wish)
+            figure = self.draw(fields=["alpha"], dpi=40, **wish)
             image = next(a for a in figure.axes if a.images).images[0].get_array()
             self.assertGreater(image[image.shape[0] // 2, image.shape[1] // 2, 3], 0.9)
             self.assertEqual(image[0, 0, 3], 0)
