@@ -42,6 +42,7 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     struct friction_params friction_params;
     const struct diffusion *diffusion;    /* time scheme of viscous stress and heat conduction; with transport */
     const struct linear_module *linear;   /* solver of the systems of implicit diffusion (libcore/gas/implicit.h) */
+    double linear_error;                  /* allowed in their solutions; 0: 1e-6 (implicit.h) */
     const struct acoustics *acoustics;    /* NULL: explicit */
     struct own_params acoustics_params;   /* parameters of the row */
     const struct carried_choice *carried; /* [ncarried] quantities that the gas carries (libcore/gas/carried.h) */

@@ -5,8 +5,8 @@
 
 #include <stdlib.h>
 
-/* The error allowed in a solution, relative to a cell's T, or for velocities to the speed that the cell's energy
- * amounts to. */
+/* The error allowed in a solution if the caller states none, relative to a cell's T, or for velocities to the speed
+ * that the cell's energy amounts to. */
 static const double TOLERANCE = 1e-6;
 enum {
     PASSES = 3,      /* most passes of iterative refinement */
@@ -32,6 +32,7 @@ struct problem { /* one of the two linear systems */
 
 struct implicit {
     const struct linear_module *module;
+    double tolerance; /* error allowed in a solution */
     struct links links;
     struct problem problem[2];     /* VISCOUS, HEAT */
     double *mass, *limit, *weight; /* [cells]; [cells] m/s: speed that a cell's energy amounts to; weights of links */
@@ -98,7 +99,7 @@ static double error_of(const void *caller, const double *x, const double *residu
     for (int i = 0, k = 0; k < p->system.rows; i++)
         for (int c = 0; c < p->system.unknowns; c++, k++) {
             const double scale = p->what == HEAT ? fabs(m->q[k] + x[k]) : m->limit[i];
-            const double error = fabs(residual[k]) / (m->mass[i] * scale * TOLERANCE + 1e-300);
+            const double error = fabs(residual[k]) / (m->mass[i] * scale * m->tolerance + 1e-300);
             if (!(error <= most)) most = error == error ? error : HUGE_VAL;
         }
     double all[] = {most, g->step.asked && g->step.asked()};
@@ -224,6 +225,7 @@ static status solver_make(struct implicit *m, struct problem *p) {
 
 static status make_parts(struct implicit *m, struct gas *g) {
     m->module = g->models.linear;
+    m->tolerance = g->models.linear_error > 0 ? g->models.linear_error : TOLERANCE;
     if (!m->module)
         return fail(ERR_INPUT, "diffusion implicit: it wants a solver of linear systems, and none was given");
     TRY(make_links(g, &m->links));

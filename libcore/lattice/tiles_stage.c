@@ -80,6 +80,7 @@ static void make_faces(const struct gas *g, const double *U, const struct strip 
     f->n = whole_vectors(s->n);
     f->padding = f->n - s->n;
     f->dim = g->components;
+    f->beyond = g->components - g->dim;
     f->stride = g->forest->stride[axis];
     f->p = w->p + offset;
     f->floor = fronts_floor(g, s);

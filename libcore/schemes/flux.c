@@ -287,6 +287,22 @@ void flux_reconstruct(const struct faces *f, const double *q, int side, const st
     flux_reconstruct_lines(f, r, line, out);
 }
 
+KERNEL static void velocity_from(int n, const double *restrict q, const double *restrict from, double *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = q[i] - from[i];
+}
+
+void flux_sided_velocity(const struct faces *f, int k, int side, const struct reconstruct *r, double *out) {
+    double line[5][BATCH];
+    const double *u = f->velocity[k], *cell = u + (side > 0 ? 0 : f->stride);
+    if (k == 0 || r->reach < 2) {
+        flux_reconstruct(f, u, side, r, out);
+        return;
+    }
+    for (int m = 0; m < 5; m++) velocity_from(f->n, u + (side > 0 ? m - 2 : 3 - m) * f->stride, cell, line[m]);
+    flux_reconstruct_lines(f, r, (const double *const[]){line[0], line[1], line[2], line[3], line[4]}, out);
+    for (int i = 0; i < f->n; i++) out[i] += cell[i];
+}
+
 void flux_sided_states(const struct faces *f, const struct eos *eos, const struct material *m, int side,
                        const struct reconstruct *r, struct face_states *s) {
     int n = f->n, dim = f->dim;
@@ -295,7 +311,7 @@ void flux_sided_states(const struct faces *f, const struct eos *eos, const struc
     flux_reconstruct(f, f->state[0], side, r, s->rho);
     flux_reconstruct(f, f->eps, side, r, s->eps);
     for (int k = 0; k < dim; k++) {
-        flux_reconstruct(f, f->velocity[k], side, r, s->u[k]);
+        flux_sided_velocity(f, k, side, r, s->u[k]);
         u[k] = f->velocity[k] + cell;
     }
     admit(n, dim, density_limit(eos, m), f->state[0] + cell, u, f->eps + cell, s);
@@ -323,8 +339,8 @@ ALWAYS_INLINE void ease_dim(const int dim, int n, const struct faces *f, struct 
     const double *restrict on = f->on, *restrict P = f->rest, *restrict low = f->base[0], *restrict high = f->base[1];
     const struct face_states *restrict l = &t->s[0], *restrict r = &t->s[1];
     for (int i = 0; i < n; i++) {
-        double left = 0, right = 0; /* u^2, from the last axis on */
-        for (int k = dim - 1; k >= 0; k--) {
+        double left = 0, right = 0; /* u^2, from the last axis of the mesh on */
+        for (int k = dim - f->beyond - 1; k >= 0; k--) {
             left += l->u[k][i] * l->u[k][i];
             right += r->u[k][i] * r->u[k][i];
         }

@@ -15,6 +15,7 @@ enum face_rule { NO_RULE, SHOCK_RULE, EXPANSION_RULE, CONTACT_RULE };
  * (m = -2 .. 3; left is 0, right is 1) is `stride` further per m. Components of vectors: normal first. */
 struct faces {
     int n, dim;  /* dim: components of velocity, as many as the gas has */
+    int beyond;  /* of these, the last ones, which lie along axes that the mesh lacks */
     int padding; /* of the n faces, the last ones that only fill a vector: their fluxes are not read */
     long stride;
     const double *state[MAX_VAR]; /* rho, rho u_normal, rho u_tangential .., E */

@@ -30,6 +30,10 @@ void flux_reconstruct_lines(const struct faces *f, const struct reconstruct *r, 
 /* Reconstructs a line q of cells to the faces from one side (+1: left, -1: right). */
 void flux_reconstruct(const struct faces *f, const double *q, int side, const struct reconstruct *r, double *out);
 
+/* Does so with component k of u. Tangential ones are taken relative to the cell beside the face: the epsilon of the
+ * weights follows the values, and the result must not depend on a speed along the face that all gas has. */
+void flux_sided_velocity(const struct faces *f, int k, int side, const struct reconstruct *r, double *out);
+
 /* Does so with p. Under gravity it subtracts the pressures of gas at rest first, and adds that of the face afterwards.
  */
 void flux_sided_pressure(const struct faces *f, int side, const struct reconstruct *r, double *out);

@@ -260,7 +260,7 @@ static void side_of(const struct faces *f, const struct eos *eos, const struct m
     const double limit = density_limit(eos, m);
     double p[BATCH], unit[BATCH], g[BATCH];
     flux_reconstruct(f, f->state[0], side, r, q->rho);
-    for (int k = 0; k < f->dim; k++) flux_reconstruct(f, f->velocity[k], side, r, q->u[k]);
+    for (int k = 0; k < f->dim; k++) flux_sided_velocity(f, k, side, r, q->u[k]);
     flux_sided_pressure(f, side, r, q->p);
     for (int i = 0; i < n; i++) {
         if (q->rho[i] > 0 && q->rho[i] < limit && q->p[i] > 0) continue;

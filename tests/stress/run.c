@@ -70,6 +70,7 @@ static void set_models(struct scene *s, const struct scheme *scheme, const struc
                                     .friction = o->explicit ? NULL : p->friction,
                                     .friction_params = p->friction_params,
                                     .diffusion = p->diffusion,
+                                    .linear_error = o->solved,
                                     .acoustics = o->explicit ? NULL : p->acoustics,
                                     .acoustics_params = p->acoustics_params,
                                     .alpha_floor = p->alpha_floor,

@@ -19,6 +19,7 @@ struct run_options {
     int restart;     /* a restart ahead of this step; 0: none */
     bool verbose;    /* a line per step */
     bool keep;       /* outcome has the last state */
+    double solved;   /* error allowed in solutions of implicit diffusion; 0: the default */
     bool brief;      /* short runs (README.md): all but a few come to their end */
 };
 enum verdict { FINISHED, CAPPED, COLLAPSED, STATED, FAILED, VERDICTS };

@@ -243,8 +243,9 @@ static bool applies(const struct problem *p, int view) {
 static bool keeps_bits(const struct problem *p, const struct outcome *first, int view) {
     const bool solved = first->beds > 0 || p->friction || (p->diffusion && !p->diffusion->plan);
     if (view == BINARY) return !first->beds && !p->friction; /* roots of pivots and densities */
+    const int axes = p->components > p->dim ? p->components : p->dim;
     if (view == FOURTH) return true;
-    return (view == MIRROR || ((view == SWAP || view == TURN) && p->dim < 3)) && !p->polyhedral && !solved;
+    return (view == MIRROR || ((view == SWAP || view == TURN) && axes < 3)) && !p->polyhedral && !solved;
 }
 
 /* The largest sum of differences of a variable, over the sum of its magnitudes; momenta over rho (|u| + sqrt(E/rho)).
@@ -282,6 +283,11 @@ static double speed_along(const struct outcome *first) {
     return sqrt(smaller(heat / mass, 100 * least));
 }
 
+/* Views solve implicit diffusion to this part of a cell's T, on a path that follows the order of the unknowns; a run
+ * has some hundred solutions. */
+#define SOLVED    1e-11
+#define SOLUTIONS 100
+
 static status see(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
                   const struct comm *c, int view, const struct outcome *first, struct outcome *out) {
     struct view v = views[view];
@@ -289,6 +295,7 @@ static status see(const struct problem *p, const struct scheme *scheme, const st
     const struct problem q = problem_seen(p, &v);
     struct run_options bare = *o;
     bare.bare = bare.keep = true;
+    bare.solved = SOLVED;
     return stress_run(&q, scheme, &bare, c, out);
 }
 
@@ -298,10 +305,8 @@ static status see(const struct problem *p, const struct scheme *scheme, const st
 #define MORE 10
 /* Momenta below 1e-25 feel the epsilon of WENO weights, which has a unit; differences of that size do not count. */
 #define UNITLESS 1e-30
-/* Implicit diffusion is solved to 1e-6 of a cell's T, on a path that follows the order of the unknowns. */
-#define SOLVED 1e-6
 /* The sectors of CWENO3 are found in single precision, whose round-off depends on the axes and the order of cells. */
-#define SINGLE 1e-7
+#define SINGLE 0x1p-24
 
 static void judge_view(const struct problem *p, const struct scheme *scheme, const struct run_options *o,
                        const struct outcome *first, struct outcome seen[VIEWS], int view, struct outcome *out) {
@@ -310,9 +315,9 @@ static void judge_view(const struct problem *p, const struct scheme *scheme, con
     for (int i = 0; i < JITTERS; i++) jitter = larger(jitter, difference(first, &seen[i]));
     const bool bits = keeps_bits(p, first, view);
     const double same = view == BINARY || view == FOURTH ? UNITLESS : 0;
-    const bool solved = p->diffusion && !p->diffusion->plan && view >= MIRROR;
+    const bool solved = p->diffusion && !p->diffusion->plan;
     const bool single = p->polyhedral && !strcmp(scheme->polynomial, "CWENO3");
-    const double least = solved ? SOLVED : single ? SINGLE : 0;
+    const double least = larger(solved ? SOLUTIONS * SOLVED : 0, single ? MORE * SINGLE : 0);
     const double allowed = bits ? same : jitter > CHAOS ? HUGE_VAL : larger(MORE * jitter, least);
     if (o->verbose) printf("  view %s: off by %.3g, allowed %.3g\n", views[view].name, off, allowed);
     if (off <= allowed && (!bits || s->steps == first->steps)) return;
@@ -327,6 +332,7 @@ status views_compare(const struct problem *p, const struct scheme *scheme, const
     if (p->radial >= 0 || out->verdict == FAILED) return OK;
     struct run_options bare = *o;
     bare.bare = bare.keep = true;
+    bare.solved = SOLVED;
     status e = stress_run(p, scheme, &bare, c, &first);
     for (int i = 0; i < VIEWS && !e && out->verdict != FAILED; i++) {
         if (!applies(p, i)) continue;

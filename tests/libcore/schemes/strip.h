@@ -101,4 +101,27 @@ static inline void flux_of(struct strip *s, const struct flux *flux, const struc
     flux_with(s, flux, r, first, n, &params);
 }
 
+/* Gives all gas the speed w along the faces, on the second axis. */
+static inline void move_along(struct strip *s, double w) {
+    for (int i = 0; i < CELLS; i++) s->u[1][i] += w;
+    close_strip(s);
+}
+
+/* Returns by how much n fluxes of `moved`, which is s with the speed w along the faces, differ from those of s as seen
+ * by who moves along, over the largest flux of the energy of that motion. */
+static inline double off_by_motion(const struct strip *s, const struct strip *moved, double w, int n) {
+    const int E = s->dim + 1;
+    double most = 0, size = 0;
+    for (int i = 0; i < n; i++) {
+        const double F0 = s->out[0][i], F2 = s->out[2][i];
+        for (int v = 0; v <= E; v++) {
+            const double gained = v == 2 ? w * F0 : v == E ? w * F2 + 0.5 * w * w * F0 : 0;
+            const double unit = v == 0 ? w * w : v < E ? w : 1;
+            most = larger(most, fabs(moved->out[v][i] - (s->out[v][i] + gained)) * unit);
+        }
+        size = larger(size, fabs(0.5 * w * w * F0));
+    }
+    return most / size;
+}
+
 #endif

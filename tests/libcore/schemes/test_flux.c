@@ -200,6 +200,24 @@ static void units_do_not_matter(void **state) {
     }
 }
 
+/* The flux of gas that all moves along the faces is that of the same gas without, seen by who moves along. FORCE and
+ * MUSTA reconstruct fluxes of momentum and energy one by one. */
+static void motion_along_does_not_matter(void **state) {
+    (void)state;
+    const double w = 10;
+    FOR_EVERY(k, r, dim, drift) {
+        struct strip s = waves(dim, drift), moved = s;
+        if (dim == 1 || flux_table[k].paced) continue;
+        move_along(&moved, w);
+        flux_of(&s, &flux_table[k], &reconstruct_table[r], 2, CELLS - 5);
+        flux_of(&moved, &flux_table[k], &reconstruct_table[r], 2, CELLS - 5);
+        const double off = off_by_motion(&s, &moved, w, CELLS - 5);
+        if (!(off < 1e-12))
+            fail_msg("%s %s, dim %d, drift %g: off by %g", flux_table[k].model.name, reconstruct_table[r].model.name,
+                     dim, drift, off);
+    }
+}
+
 /* A face's flux does not depend on the batch it is in, nor a planar flow's on the dimension. */
 static void batches_and_dimensions(void **state) {
     (void)state;
@@ -492,6 +510,7 @@ int main(void) {
         cmocka_unit_test(uniform_gas),
         cmocka_unit_test(mirror_image),
         cmocka_unit_test(units_do_not_matter),
+        cmocka_unit_test(motion_along_does_not_matter),
         cmocka_unit_test(batches_and_dimensions),
         cmocka_unit_test(faint_speeds),
         cmocka_unit_test(supersonic_flux_is_clean),

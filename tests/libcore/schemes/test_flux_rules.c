@@ -83,6 +83,22 @@ static void contacts_at_rest_stay(void **state) {
     assert_near(s.out[1][0], 3, 1e-14);
 }
 
+/* Gas that all moves along a contact has the flux of the same gas without, seen by who moves along. */
+static void contacts_may_slide(void **state) {
+    (void)state;
+    const double w = 10;
+    for (int dim = 2; dim <= 3; dim++) {
+        struct strip s = jump(dim, (struct gas_state){0.6, 0.7, 1e4}, (struct gas_state){0.006, 0.7, 1e4}, 0), moved;
+        for (int i = 0; i < CELLS; i++) s.u[1][i] = 0.1 * sin(0.9 * i * i);
+        moved = s;
+        move_along(&moved, w);
+        flux_by(&s, "contacts", "WPENO5", FACE);
+        flux_by(&moved, "contacts", "WPENO5", FACE);
+        assert_true(differ(&s, "contacts", "none", "WPENO5", FACE));
+        assert_true(off_by_motion(&s, &moved, w, 1) < 1e-12);
+    }
+}
+
 /* Returns the gas behind a shock that runs to the right into `ahead`, which has `ratio` times its pressure. */
 static struct gas_state behind(struct gas_state ahead, double ratio) {
     const double rho0 = density_of(ahead.nu), e0 = energy_of(ahead), p = ratio * ahead.p;
@@ -350,6 +366,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(contacts_are_carried),
         cmocka_unit_test(contacts_at_rest_stay),
+        cmocka_unit_test(contacts_may_slide),
         cmocka_unit_test(shocks_are_damped),
         cmocka_unit_test(expansions_are_damped_less),
         cmocka_unit_test(expansions_keep_their_flux_under_gravity),
