@@ -88,20 +88,6 @@ KERNEL static void nodal_line(int n, int dim, long size, const double *restrict 
     }
 }
 
-/* Are all states admissible by more than round-off? (NaN: no) */
-KERNEL bool points_sound(int n, int dim, double least, double most, const double (*restrict at)[BATCH]) {
-    double kinetic[BATCH];
-    int sound = 1;
-    for (int i = 0; i < n; i++) kinetic[i] = 0;
-    for (int k = 1; k <= dim; k++)
-        for (int i = 0; i < n; i++) kinetic[i] += 0.5 * (at[k][i] * at[k][i]);
-    for (int i = 0; i < n; i++) {
-        const double internal = at[dim + 1][i] * at[0][i] - kinetic[i];
-        sound &= (at[0][i] > least) & (at[0][i] < most) & (internal > ROUND * kinetic[i]);
-    }
-    return sound;
-}
-
 bool points_reflect(const struct gas *g, const struct points *p) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     return patch_is_wall(&g->patches.rules[f->patch[p->face[0] - f->ninternal]]);

@@ -28,8 +28,6 @@ void points_cells(int n, const int *face, const int *side, int *cell);
 void points_frames(const struct polyhedra *m, struct points *p);
 void points_into_frames(const struct gas *g, struct points *p, double (*q)[BATCH]);
 void points_out_of_frames(const struct gas *g, struct points *p, double (*q)[BATCH]);
-/* Are all n states admissible by more than round-off? (NaN: no) */
-bool points_sound(int n, int dim, double least, double most, const double (*at)[BATCH]);
 /* Does the patch of the faces of p make the states beyond of those at the points, and not of averages? */
 bool points_reflect(const struct gas *g, const struct points *p);
 /* The states that the rules of a patch make of the states `inner`, in the frames of the faces. At a reflecting wall

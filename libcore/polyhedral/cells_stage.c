@@ -27,6 +27,20 @@ static void flatten_packed(const struct gas *g, const struct points *p, const do
             for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
 }
 
+/* Are all states admissible by more than round-off? (NaN: no) */
+KERNEL static bool all_sound(int n, int dim, double least, double most, const double (*restrict at)[BATCH]) {
+    double kinetic[BATCH];
+    int sound = 1;
+    for (int i = 0; i < n; i++) kinetic[i] = 0;
+    for (int k = 1; k <= dim; k++)
+        for (int i = 0; i < n; i++) kinetic[i] += 0.5 * (at[k][i] * at[k][i]);
+    for (int i = 0; i < n; i++) {
+        const double internal = at[dim + 1][i] * at[0][i] - kinetic[i];
+        sound &= (at[0][i] > least) & (at[0][i] < most) & (internal > ROUND * kinetic[i]);
+    }
+    return sound;
+}
+
 /* Changes states by what the polynomials do not know, and moves them towards the averages of their cells. */
 static void correct_states(const struct gas *g, int side, int from, const double *const *U, const struct points *p,
                            double (*at)[BATCH]) {
@@ -50,7 +64,7 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     for (int v = 0; v < g->nvar; v++) out[v] = at[v];
     fit_points(c->fit, side, from, p->n, U, out);
     if (g->models.material.threshold > 0 || c->rest ||
-        !points_sound(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])at))
+        !all_sound(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])at))
         correct_states(g, side, from, U, p, at);
     points_into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
