@@ -121,6 +121,10 @@ struct stage_hooks {
     long (*stage)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,
                   double dt, struct ending *ending);
     bool ends; /* does `stage` do endings? Else the parts of the step do them */
+    /* Computes `to` = `from` after a step of dt in which each cell takes steps of its own, by the limits of
+     * g->step.courant, from the time g->step.t on. Raises flags and returns as `stage` does; V is scratch. NULL: the
+     * engine has no such steps. Collective. */
+    long (*local)(struct gas *g, const struct state *from, const struct state *to, double dt);
     /* Does the stage again where flags are near, with limited fluxes through the faces of flagged cells
      * (libcore/schemes/limit.h), and counts these faces in g->limits.faces. Flags the cells to be limited then. */
     void (*redo)(struct gas *g, const struct state *U0, const struct state *from, const struct state *to, double a,

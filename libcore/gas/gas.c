@@ -262,11 +262,15 @@ void renew_patches(struct gas *g, double t) {
 }
 
 bool speed_agree(struct gas *g, const struct gas_speed *mine, bool is_void) {
-    double all[] = {is_void,       mine->rate,    mine->loose, mine->axis[0],
-                    mine->axis[1], mine->axis[2], -mine->low,  mine->high};
-    comm_max(g->comm, all, 8);
-    g->step.speed = (struct gas_speed){
-        .rate = all[1], .loose = all[2], .axis = {all[3], all[4], all[5]}, .low = -all[6], .high = all[7]};
+    double all[] = {is_void,       mine->rate, mine->loose, mine->axis[0], mine->axis[1],
+                    mine->axis[2], -mine->low, mine->high,  mine->levels};
+    comm_max(g->comm, all, 9);
+    g->step.speed = (struct gas_speed){.rate = all[1],
+                                       .loose = all[2],
+                                       .axis = {all[3], all[4], all[5]},
+                                       .low = -all[6],
+                                       .high = all[7],
+                                       .levels = (int)all[8]};
     g->step.speed_known = all[0] == 0;
     return g->step.speed_known;
 }
@@ -316,7 +320,7 @@ void place_of_value(struct gas *g, const struct state *s, int v, double wanted, 
 }
 
 void gas_fastest_place(struct gas *g, const struct gas_speed *speed, double place[3]) {
-    struct search x = {g, &g->U, 0, speed->rate, {.order = HUGE_VAL}};
+    struct search x = {g, &g->U, 0, ldexp(speed->rate, speed->levels), {.order = HUGE_VAL}};
     g->engine->state.rows(g, EVERY_CELL, &g->U, seek_speed, &x);
     first_place_agree(g, &x.first, place);
 }

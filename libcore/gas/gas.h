@@ -55,22 +55,28 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     bool skip_uniform;
 };
 
+enum {
+    GAS_LEVELS = 6
+}; /* of local time steps, at most: on the meshes looked at more than five halvings gain nothing */
 /* Counts of the measures that kept the state admissible (libcore/schemes/limit.h), and of diffusion and beds: on all
  * ranks since gas_make, added to the counts that gas_resume was given. */
 struct gas_counts {
-    long cells;      /* cells whose faces were limited, counted once a stage */
-    long faces;      /* faces whose flux was moved towards the low-order flux, counted once a stage */
-    long rejected;   /* steps that were rejected and done again with half of dt or less */
-    long floored;    /* cells raised to the round-off floor */
-    double energy;   /* J: energy that this floor added */
-    long filled;     /* cells raised to the density floor, counted once a stage */
-    double fill[2];  /* kg, J: mass and energy that it added to the results of steps, to round-off */
-    double place[3]; /* m: centre of a cell that was limited last; 0: there was none */
-    long halves;     /* half steps of diffusion that stand */
-    long stages[2];  /* stages of viscous stress and of heat conduction, over all attempts */
-    long repeated;   /* attempts at diffusion that were done again because cells were not admissible */
-    long plain;      /* cells on whose faces the stress went without tangential derivatives then */
-    long beds;       /* steps with implicit acoustics, and those of their cells in the last one */
+    long cells;              /* cells whose faces were limited, counted once a stage */
+    long faces;              /* faces whose flux was moved towards the low-order flux, counted once a stage */
+    long levels[GAS_LEVELS]; /* cells of each level in the last step of timeScheme local; level 0 has the longest steps
+                              */
+    long staged;             /* steps of timeScheme local that would be inadmissible, and were done again by stages */
+    long rejected;           /* steps that were rejected and done again with half of dt or less */
+    long floored;            /* cells raised to the round-off floor */
+    double energy;           /* J: energy that this floor added */
+    long filled;             /* cells raised to the density floor, counted once a stage */
+    double fill[2];          /* kg, J: mass and energy that it added to the results of steps, to round-off */
+    double place[3];         /* m: centre of a cell that was limited last; 0: there was none */
+    long halves;             /* half steps of diffusion that stand */
+    long stages[2];          /* stages of viscous stress and of heat conduction, over all attempts */
+    long repeated;           /* attempts at diffusion that were done again because cells were not admissible */
+    long plain;              /* cells on whose faces the stress went without tangential derivatives then */
+    long beds;               /* steps with implicit acoustics, and those of their cells in the last one */
     long bed_cells;
     long newton, linear; /* iterations of Newton's method in these steps, and of the linear solver in those */
     long lifted;         /* cells that took eps of bed.h's (*), as the conservative one was much less */
@@ -88,6 +94,9 @@ struct gas_speed {  /* of the whole domain */
     double axis[3]; /* m/s: max |u_k| + c */
     /* Pa: least and largest pressure; HUGE_VAL and 0 where no fronts are looked for (docs/physics.md 6.12) */
     double low, high;
+    /* The step lasts 2^levels of the shortest local steps, and `rate` and `loose` are those of the shortest over that
+     */
+    int levels;
 };
 
 struct gas; /* opaque: state and work memory of this rank's cells */

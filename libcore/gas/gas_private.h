@@ -175,6 +175,7 @@ struct half_diffusion {           /* the half step of diffusion in hand; with tr
 
 struct stepping {           /* the step in hand and those before it (libcore/step/step.c) */
     double dt;              /* s: its Runge-Kutta stages, for fluxes that depend on it */
+    double t, courant;      /* s: its start; maxCo: for local steps */
     struct gas_speed speed; /* wave speeds of U, if speed_known */
     bool speed_known;
     double fastest[MAX_DIM]; /* m/s: max |u_k| + c, from the last gas_speed */

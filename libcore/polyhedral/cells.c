@@ -73,12 +73,13 @@ static status cells_make(struct gas *g) {
     measure_cells(c);
     TRY(make_fit(g));
     fit_keep(c->fit, g->limits.least, g->limits.most);
-    TRY(cells_sweep_make(c->polyhedra, c->fit, &c->sweep));
+    TRY(cells_sweep_make(c->polyhedra, g->models.stepper->local ? NULL : c->fit, &c->sweep));
     TRY(cells_sides_make(c->polyhedra, &c->sides));
     TRY(cells_rules_make(g));
     TRY(cells_weight_make(g));
     TRY(cells_round_make(g));
     TRY(cells_fronts_make(g));
+    TRY(cells_local_make(g));
     if (g->models.transport || needs_shear_rate(&g->models) || g->models.ncarried)
         TRY(cells_gradient_weights(g, &c->gradient));
     if (needs_shear_rate(&g->models)) TRY(cells_shear_rate_make(g));
@@ -107,6 +108,7 @@ static void cells_free(struct gas *g) {
     cells_rest_free(c->rest);
     cells_rules_free(c->rules);
     cells_fronts_free(c->fronts);
+    cells_local_free(c->local);
     free(c->flux[0]);
     for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
     free(c->inverse_volume);
@@ -177,6 +179,11 @@ static void rate_batch(const struct gas *g, const struct state *s, int from, int
     rate_line(n, g->dim, q, girth, c->total_girth + from, rate, fast);
 }
 
+void cells_rates(const struct gas *g, const struct state *s, int from, int n, double *rate, double *fast) {
+    struct cells_primitives q;
+    rate_batch(g, s, from, n, &q, rate, fast);
+}
+
 static void cells_speed(struct gas *g, struct gas_speed *speed) {
     const struct polyhedra *m = g->cells->polyhedra;
     double most[4] = {0, 0, 0, 0}, least = HUGE_VAL, rate[BATCH], fast[BATCH]; /* rate, loose, speed, pressure */
@@ -195,6 +202,7 @@ static void cells_speed(struct gas *g, struct gas_speed *speed) {
     }
     *speed = (struct gas_speed){
         .rate = most[0], .loose = most[1], .axis = {most[2], most[2], most[2]}, .low = least, .high = most[3]};
+    if (g->cells->local) cells_local_longest(g, speed);
 }
 
 /* flow = sum_k |u_k| girth_k, thin = flow + c total_girth */
@@ -231,32 +239,33 @@ static bool cells_sides(const struct gas *g, const struct row *row, int k, struc
     return any;
 }
 
-const struct engine engine_polyhedral = {.state = {.make = cells_make,
-                                                   .free = cells_free,
-                                                   .cells = cells_of_block,
-                                                   .rest = cells_rest,
-                                                   .rows = cells_rows,
-                                                   .fill = cells_fill,
-                                                   .place = cells_place,
-                                                   .sides = cells_sides,
-                                                   .edges = cells_edges,
-                                                   .ghosts = cells_near_ghosts,
-                                                   .speed = cells_speed,
-                                                   .speeds = cells_speeds,
-                                                   .shear_rate = cells_shear_rate},
-                                         .stage = {.fronts = cells_fronts, .stage = cells_stage, .redo = cells_redo},
-                                         .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
-                                                       .cooled_first = true,
-                                                       .rates = cells_diffusion_rates,
-                                                       .begin = cells_diffusion_begin,
-                                                       .stage = cells_diffusion_stage,
-                                                       .end = cells_diffusion_end,
-                                                       .cross = cells_diffusion_cross,
-                                                       .spread = cells_diffusion_spread,
-                                                       .weight = cells_implicit_weight},
-                                         .bed = {.blocks = cells_bed_blocks, .balance = cells_bed_balance},
-                                         .tally = {.rest = cells_tally_rest},
-                                         .carried = {.rise = cells_carried_rise,
-                                                     .terms = cells_carried_terms,
-                                                     .most_out = cells_carried_most_out,
-                                                     .move = cells_carried_move}};
+const struct engine engine_polyhedral = {
+    .state = {.make = cells_make,
+              .free = cells_free,
+              .cells = cells_of_block,
+              .rest = cells_rest,
+              .rows = cells_rows,
+              .fill = cells_fill,
+              .place = cells_place,
+              .sides = cells_sides,
+              .edges = cells_edges,
+              .ghosts = cells_near_ghosts,
+              .speed = cells_speed,
+              .speeds = cells_speeds,
+              .shear_rate = cells_shear_rate},
+    .stage = {.fronts = cells_fronts, .stage = cells_stage, .local = cells_local, .redo = cells_redo},
+    .diffusion = {.most_stages = {0, CELLS_STAGES, CELLS_STAGES, CELLS_STAGES_3D},
+                  .cooled_first = true,
+                  .rates = cells_diffusion_rates,
+                  .begin = cells_diffusion_begin,
+                  .stage = cells_diffusion_stage,
+                  .end = cells_diffusion_end,
+                  .cross = cells_diffusion_cross,
+                  .spread = cells_diffusion_spread,
+                  .weight = cells_implicit_weight},
+    .bed = {.blocks = cells_bed_blocks, .balance = cells_bed_balance},
+    .tally = {.rest = cells_tally_rest},
+    .carried = {.rise = cells_carried_rise,
+                .terms = cells_carried_terms,
+                .most_out = cells_carried_most_out,
+                .move = cells_carried_move}};

@@ -51,6 +51,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_shear_rate *shear_rate; /* libcore/polyhedral/cells_shear_rate.c; NULL: no law asks for it */
     struct cells_carried *carried;       /* libcore/polyhedral/cells_carried.c; NULL: the gas carries nothing */
     struct cells_round *round;           /* libcore/polyhedral/cells_round.c; NULL: the mesh is not round */
+    struct cells_local *local;           /* libcore/polyhedral/cells_local.c; NULL: all cells take the same steps */
 };
 
 struct cells_primitives { /* of a batch of cells */
@@ -58,6 +59,9 @@ struct cells_primitives { /* of a batch of cells */
 };
 /* Finds those of n <= BATCH cells, whose variables lie g->size apart from U on. */
 void cells_primitives(const struct gas *g, int n, const double *U, struct cells_primitives *q);
+
+/* The rates (1/s) of n <= BATCH cells of a state, as of struct gas_speed, and |u| + c. */
+void cells_rates(const struct gas *g, const struct state *s, int from, int n, double *rate, double *fast);
 
 /* line[v] <- the line of variable v of a state */
 void cells_lines(const struct gas *g, const struct state *s, double *line[MAX_VAR]);
@@ -116,6 +120,7 @@ void cells_residuals(const struct cells *c, int from, int n, const double *flux,
 
 /* ---- the order of a stage (libcore/polyhedral/cells_sweep.c) ---- */
 
+/* fit: takes turns (fit_turns); NULL: it keeps the values of all cells. */
 status cells_sweep_make(const struct polyhedra *m, struct fit *fit, struct cells_sweep *s);
 void cells_sweep_free(struct cells_sweep *s);
 status cells_sides_make(const struct polyhedra *m, struct cells_sides *s);
@@ -202,6 +207,15 @@ void cells_rules_pressures(const struct gas *g, int side, int from, int n, const
 
 /* Returns the speed at which the cells of a face part along its normal. */
 double cells_parting(const struct gas *g, int face, const double *const *U);
+
+/* ---- local time steps (libcore/polyhedral/cells_local.c) ---- */
+
+status cells_local_make(struct gas *g);
+void cells_local_free(struct cells_local *l);
+/* The hook `local`. */
+long cells_local(struct gas *g, const struct state *from, const struct state *to, double dt);
+/* Makes of this rank's largest rates in U those of the longest step that is made of local ones. Collective. */
+void cells_local_longest(struct gas *g, struct gas_speed *speed);
 
 /* ---- fronts of shocks (libcore/polyhedral/cells_fronts.c) ---- */
 

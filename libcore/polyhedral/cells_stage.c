@@ -3,107 +3,7 @@
  * admissibility. The fluxes are those of the tiles: the two states of a point are the two cells of a first-order
  * stencil. */
 #include "libcore/gas/patch.h"
-#include "libcore/polyhedral/cells.h"
-
-enum { STENCIL = 6, LEFT = 2, RIGHT = 3 }; /* of struct faces: m = -2 .. 3 */
-
-struct points { /* a batch of points, or of states on both sides of faces; normal component first */
-    int n;
-    int face[BATCH];
-    double axis[MAX_DIM][MAX_DIM][BATCH]; /* of the frames of the faces: the normal, then the tangents */
-    double state[MAX_VAR][STENCIL][BATCH], flux[MAX_VAR][STENCIL][BATCH];
-    double velocity[MAX_DIM][STENCIL][BATCH];
-    double eps[STENCIL][BATCH], p[STENCIL][BATCH], c[STENCIL][BATCH], gruneisen[STENCIL][BATCH];
-    bool ruled; /* does any face follow a rule of its own? Then rule says which. */
-    unsigned char rule[BATCH];
-    double floor[BATCH]; /* beside fronts */
-    double pace[BATCH];  /* for fluxes that are paced */
-    double out[MAX_VAR][BATCH];
-};
-
-KERNEL static void gather_line(int n, const int *restrict index, const double *restrict q, double *restrict out) {
-    for (int i = 0; i < n; i++) out[i] = q[index[i]];
-}
-
-/* cell <- the cells on one side of n faces */
-KERNEL static void gather_cells(int n, const int *restrict face, const int *restrict side, int *restrict cell) {
-    for (int i = 0; i < n; i++) cell[i] = side[face[i]];
-}
-
-KERNEL static void turn_normals(int n, double (*restrict axis)[MAX_DIM][BATCH]) {
-    for (int i = 0; i < n; i++) {
-        axis[1][0][i] = -axis[0][1][i];
-        axis[1][1][i] = axis[0][0][i];
-    }
-}
-KERNEL static void cross_axes(int n, double (*restrict axis)[MAX_DIM][BATCH]) {
-    for (int i = 0; i < n; i++) {
-        axis[2][0][i] = axis[0][1][i] * axis[1][2][i] - axis[0][2][i] * axis[1][1][i];
-        axis[2][1][i] = axis[0][2][i] * axis[1][0][i] - axis[0][0][i] * axis[1][2][i];
-        axis[2][2][i] = axis[0][0][i] * axis[1][1][i] - axis[0][1][i] * axis[1][0][i];
-    }
-}
-
-/* In 2D the tangent is the normal, turned by a right angle; in 3D the second one is normal to both others. */
-static void find_frames(const struct polyhedra *m, struct points *p) {
-    const struct polyhedra_faces *f = &m->face;
-    for (int k = 0; k < m->dim; k++) gather_line(p->n, p->face, f->normal[k], p->axis[0][k]);
-    for (int k = 0; k < m->dim && m->dim > 2; k++) gather_line(p->n, p->face, f->tangent[0][k], p->axis[1][k]);
-    if (m->dim == 2) turn_normals(p->n, p->axis);
-    if (m->dim == 3) cross_axes(p->n, p->axis);
-}
-
-/* `back` exchanges the entries of the axes; components beyond dim are the same in every frame. */
-KERNEL static void turn_vectors(int n, int dim, bool back, double (*restrict axis)[MAX_DIM][BATCH],
-                                double (*restrict q)[BATCH]) {
-    double *restrict m0 = q[0], *restrict m1 = q[1], *restrict m2 = q[2];
-    const double *restrict xx = axis[0][0], *restrict xy = back ? axis[1][0] : axis[0][1];
-    const double *restrict xz = back ? axis[2][0] : axis[0][2], *restrict yx = back ? axis[0][1] : axis[1][0];
-    const double *restrict yy = axis[1][1], *restrict yz = back ? axis[2][1] : axis[1][2];
-    const double *restrict zx = back ? axis[0][2] : axis[2][0], *restrict zy = back ? axis[1][2] : axis[2][1];
-    const double *restrict zz = axis[2][2];
-    if (dim == 1)
-        for (int i = 0; i < n; i++) m0[i] *= xx[i];
-    if (dim == 2)
-        for (int i = 0; i < n; i++) {
-            double a = m0[i], b = m1[i];
-            m0[i] = a * xx[i] + b * xy[i];
-            m1[i] = a * yx[i] + b * yy[i];
-        }
-    if (dim == 3)
-        for (int i = 0; i < n; i++) {
-            double a = m0[i], b = m1[i], c = m2[i];
-            m0[i] = a * xx[i] + b * xy[i] + c * xz[i];
-            m1[i] = a * yx[i] + b * yy[i] + c * yz[i];
-            m2[i] = a * zx[i] + b * zy[i] + c * zz[i];
-        }
-}
-void cells_turn_vectors(int n, int dim, bool back, double (*axis)[MAX_DIM][BATCH], double (*q)[BATCH]) {
-    turn_vectors(n, dim, back, axis, q);
-}
-static void into_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
-    turn_vectors(p->n, g->dim, false, p->axis, q + 1);
-}
-static void out_of_frames(const struct gas *g, struct points *p, double (*q)[BATCH]) {
-    turn_vectors(p->n, g->dim, true, p->axis, q + 1);
-}
-
-/* F_n = u_n U + p (0, 1, u_n) */
-KERNEL static void nodal_line(int n, int dim, long size, const double *restrict U, const double *restrict u,
-                              const double *restrict p, double *restrict flux) {
-    for (int v = 0; v < dim + 2; v++) {
-        const double *restrict q = U + v * size;
-        double *restrict F = flux + v * size;
-        if (v == 0)
-            for (int i = 0; i < n; i++) F[i] = U[size + i];
-        else if (v == dim + 1)
-            for (int i = 0; i < n; i++) F[i] = (q[i] + p[i]) * u[i];
-        else if (v == 1)
-            for (int i = 0; i < n; i++) F[i] = q[i] * u[i] + p[i];
-        else
-            for (int i = 0; i < n; i++) F[i] = q[i] * u[i];
-    }
-}
+#include "libcore/polyhedral/cells_points_private.h"
 
 /* The averages of the cells on one side of the n faces of p, in their frames. */
 static void side_averages(const struct gas *g, int side, const double *const *U, struct points *p) {
@@ -111,9 +11,9 @@ static void side_averages(const struct gas *g, int side, const double *const *U,
     const int *of_face = side ? f->right : f->left;
     double at[MAX_VAR][BATCH];
     int cell[BATCH];
-    gather_cells(p->n, p->face, of_face, cell);
-    for (int v = 0; v < g->nvar; v++) gather_line(p->n, cell, U[v], at[v]);
-    into_frames(g, p, at);
+    points_cells(p->n, p->face, of_face, cell);
+    for (int v = 0; v < g->nvar; v++) points_gather(p->n, cell, U[v], at[v]);
+    points_into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
 
@@ -148,8 +48,8 @@ static void correct_states(const struct gas *g, int side, int from, const double
     const int *of_face = side ? c->polyhedra->face.right : c->polyhedra->face.left;
     double average[MAX_VAR][BATCH], theta[BATCH];
     int cell[BATCH];
-    gather_cells(p->n, p->face, of_face, cell);
-    for (int v = 0; v < g->nvar; v++) gather_line(p->n, cell, U[v], average[v]);
+    points_cells(p->n, p->face, of_face, cell);
+    for (int v = 0; v < g->nvar; v++) points_gather(p->n, cell, U[v], average[v]);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
     if (c->rest) cells_rest_add(g, from, p->n, cell, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
@@ -166,63 +66,23 @@ static void side_states(const struct gas *g, int side, int from, const double *c
     if (g->models.material.threshold > 0 || c->rest ||
         !all_sound(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])at))
         correct_states(g, side, from, U, p, at);
-    into_frames(g, p, at);
+    points_into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
 
-/* The states that the rules of a patch make of those inside: at a reflecting wall of the own ones of the points,
- * elsewhere of the averages, as what flows in must not come from what the cell extrapolates to. */
+/* The states beyond the faces of a patch. */
 static void states_beyond(const struct gas *g, const double *const *U, struct points *p) {
-    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const int patch = f->patch[p->face[0] - f->ninternal];
-    double inner[MAX_VAR][BATCH], ghost[MAX_VAR][BATCH];
-    int place[BATCH], cell[BATCH];
-    for (int i = 0; i < p->n; i++) {
-        place[i] = f->place[p->face[i] - f->ninternal];
-        cell[i] = f->left[p->face[i]];
-    }
-    const bool wall = patch_is_wall(&g->patches.rules[patch]);
+    double inner[MAX_VAR][BATCH];
+    int cell[BATCH];
+    const bool reflects = points_reflect(g, p);
+    points_cells(p->n, p->face, g->cells->polyhedra->face.left, cell);
     for (int v = 0; v < g->nvar; v++)
-        if (wall)
+        if (reflects)
             memcpy(inner[v], p->state[v][LEFT], (size_t)p->n * sizeof(double));
         else
-            gather_line(p->n, cell, U[v], inner[v]);
-    if (!wall) into_frames(g, p, inner);
-    cells_beyond(g, patch, p->n, p->face, place, inner, ghost);
-    for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
-}
-
-/* Primitives and nodal fluxes of the states on both sides, and the batch of faces that a flux sees. */
-static struct faces point_primitives(const struct gas *g, struct points *p) {
-    const struct gas_models *m = &g->models;
-    const long size = STENCIL * BATCH;
-    const int n = (p->n + 7) / 8 * 8; /* whole vectors, filled up with the last state */
-    struct faces f = {.n = n,
-                      .dim = g->components,
-                      .stride = BATCH,
-                      .fastest = g->step.fastest[0],
-                      .pace = p->pace,
-                      .params = &g->models.flux_params};
-    for (int v = 0; v < g->nvar; v++)
-        for (int side = LEFT; side <= RIGHT; side++)
-            for (int i = p->n; i < n; i++) p->state[v][side][i] = p->state[v][side][p->n - 1];
-    for (int side = LEFT; side <= RIGHT; side++) {
-        double *velocity[MAX_DIM] = {p->velocity[0][side], p->velocity[1][side], p->velocity[2][side]};
-        velocity_row(n, g->components, size, p->state[0][side], velocity, p->eps[side]);
-        m->eos->state(&m->material, n, p->state[0][side], p->eps[side], p->p[side], p->c[side], p->gruneisen[side]);
-        root_row(n, p->c[side]);
-        nodal_line(n, g->components, size, p->state[0][side], p->velocity[0][side], p->p[side], p->flux[0][side]);
-    }
-    for (int v = 0; v < g->nvar; v++) {
-        f.state[v] = p->state[v][LEFT];
-        f.flux[v] = p->flux[v][LEFT];
-        f.out[v] = p->out[v];
-    }
-    for (int k = 0; k < g->components; k++) f.velocity[k] = p->velocity[k][LEFT];
-    f.eps = p->eps[LEFT];
-    f.c = p->c[LEFT];
-    f.gruneisen = p->gruneisen[LEFT];
-    return f;
+            points_gather(p->n, cell, U[v], inner[v]);
+    if (!reflects) points_into_frames(g, p, inner);
+    points_beyond(g, inner, p);
 }
 
 /* dt/dx of each point's face: dt A (1/V_l + 1/V_r)/2, on a lattice dt over the width. */
@@ -245,12 +105,6 @@ static void set_rules(const struct gas *g, int from, struct points *p, struct fa
     }
     faces->rule = p->rule;
     faces->p = p->p[LEFT];
-}
-
-/* Gives the batch the floors of its faces. */
-static void set_floors(struct points *p, struct faces *faces) {
-    for (int i = p->n; i < faces->n; i++) p->floor[i] = 0;
-    faces->floor = p->floor;
 }
 
 /* flux <- the area times the sum over the points of each face; sum_single: each face has one point, of weight 1;
@@ -328,7 +182,7 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     const int from = single ? first : f->point_start[first];
     p->n = single ? last - first : f->point_start[last] - from;
     for (int i = 0; i < p->n; i++) p->face[i] = single ? from + i : c->polyhedra->point.face[from + i];
-    find_frames(c->polyhedra, p);
+    points_frames(c->polyhedra, p);
     p->ruled = c->rules && first < f->ninternal && cells_rules_find(g, p->n, p->face, U, p->rule);
     side_states(g, 0, from, U, p);
     if (first < f->ninternal)
@@ -336,12 +190,12 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     else
         states_beyond(g, U, p);
     if (g->models.flux->paced) set_paces(g, p);
-    struct faces faces = point_primitives(g, p);
+    struct faces faces = points_primitives(g, p);
     if (c->round) note_push(g, first, last, p);
     if (p->ruled) set_rules(g, from, p, &faces);
-    if (cells_fronts_floor(g, p->n, p->face, p->floor)) set_floors(p, &faces);
+    if (cells_fronts_floor(g, p->n, p->face, p->floor)) points_floors(p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
-    out_of_frames(g, p, p->out);
+    points_out_of_frames(g, p, p->out);
     sum_fluxes(g, first, last, from, p);
 }
 
@@ -350,19 +204,19 @@ static void limit_batch(struct gas *g, const double *const *U, struct points *p)
     struct cells *c = g->cells;
     const struct polyhedra_faces *f = &c->polyhedra->face;
     double theta[BATCH];
-    find_frames(c->polyhedra, p);
+    points_frames(c->polyhedra, p);
     side_averages(g, 0, U, p);
     if (p->face[0] < f->ninternal)
         side_averages(g, 1, U, p);
     else
         states_beyond(g, U, p);
-    struct faces faces = point_primitives(g, p);
+    struct faces faces = points_primitives(g, p);
     faces.n = p->n;
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < p->n; i++) p->out[v][i] = c->flux[v][p->face[i]] / f->area[p->face[i]];
-    into_frames(g, p, p->out);
+    points_into_frames(g, p, p->out);
     limit_faces(&faces, g->limits.least, g->limits.most, theta);
-    out_of_frames(g, p, p->out);
+    points_out_of_frames(g, p, p->out);
     for (int i = 0; i < p->n; i++) {
         const int face = p->face[i];
         if (theta[i] == 1) continue;

@@ -59,7 +59,7 @@ status cells_sweep_make(const struct polyhedra *m, struct fit *fit, struct cells
     for (int k = 0; k < s->n; k++) s->cells[k] = (k + 1) * TURN < m->ninner ? (k + 1) * TURN : m->ninner;
     plan_faces(m, s);
     TRY(plan_chunks(m, s));
-    return fit_turns(fit, s->n, s->cells, s->faces);
+    return fit ? fit_turns(fit, s->n, s->cells, s->faces) : OK;
 }
 
 void cells_sweep_free(struct cells_sweep *s) {

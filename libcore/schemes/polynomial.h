@@ -54,6 +54,12 @@ status fit_turns(struct fit *f, int n, const int *cells, const int *faces);
  * that share a batch with the first or the last one are fitted, too, from whatever U holds, and again when their own
  * turn comes. */
 void fit_cells(struct fit *f, int from, int to, const double *const *U);
+/* From now on fit_due may be called. Fits must not take turns. */
+status fit_hold(struct fit *f);
+/* Fits the cells with due[nnear]; all others keep their values. */
+void fit_due(struct fit *f, const bool *due, const double *const *U);
+/* Copies values at the points of n faces, n <= BATCH, of one point each, as fit_points does. */
+void fit_faces(const struct fit *f, int side, int n, const int *face, const double *const *U, double *const *out);
 /* Copies values at the face points from <= i < from + n, n <= BATCH, in the cells on side 0 (left) or 1 (right; not for
  * boundary faces), to out[v][n]. */
 void fit_points(const struct fit *f, int side, int from, int n, const double *const *U, double *const *out);

@@ -603,6 +603,7 @@ void fit_free(struct fit *f) {
     free(f->change);
     free(f->value);
     free(f->slot);
+    free(f->held);
     free(f->place[0]);
     free(f->place[1]);
     free(f);

@@ -49,6 +49,7 @@ struct fit {
     double *value;          /* [nvar][nvalues], those of a batch from entry slot[batch] on, entry by entry of `point` */
     long nvalues;           /* values of one variable */
     int *slot;              /* [nbatches] */
+    double *held;           /* of fit_hold: the values of a batch; NULL */
     const double *rest[MAX_VAR], *near; /* of fit_rest, or NULL */
     double least, most;                 /* of fit_keep; most 0: no density is kept in between */
     int *place[2]; /* [points] where a face point's value in the left and in the right cell stands */

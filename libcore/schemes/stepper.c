@@ -21,8 +21,13 @@ const struct stepper stepper_table[] = {
      .courant = 1, .a = {0, 1. / 2}, .b = ALL(1)},
     {MODEL("Euler", "one stage, first order, maxCo up to 1; admissible by theorem to 0.5"), .stages = 1, .courant = 1,
      .b = ALL(1)},
+    {MODEL("local", "each cell takes steps of its own in powers of two, second order, maxCo up to 1; polyhedra with "
+                    "linear or firstOrder, no gravity, no transport"),
+     .stages = 1, .local = true, .courant = 1, .b = ALL(1)},
 };
 const int stepper_count = sizeof stepper_table / sizeof *stepper_table;
+
+const struct stepper *const stepper_instead = &stepper_table[1];
 
 const struct stepper *stepper_find(const char *name) {
     return model_find(stepper_table, sizeof *stepper_table, stepper_count, name);

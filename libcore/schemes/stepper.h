@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Strong-stability-preserving Runge-Kutta schemes for both kinds of mesh: a table of coefficients (stepper.c cites the
- * papers). */
+/* Time schemes: a table of the coefficients of strong-stability-preserving Runge-Kutta schemes for both kinds of mesh
+ * (stepper.c cites the papers), and local time steps on polyhedra. */
 #ifndef LIBCORE_STEPPER_H
 #define LIBCORE_STEPPER_H
 
@@ -9,12 +9,14 @@
 struct stepper { /* stage s: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) */
     struct model model;
     int stages;
-    int exchange;   /* after this many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
+    int exchange; /* after this many stages U0 and U become 0.1 U0 + 0.9 U and 0.6 U0 + 0.4 U; 0: never */
+    bool local;   /* does each cell take steps of its own (libcore/polyhedral/cells_local.c)? Then there is one stage */
     double courant; /* largest maxCo allowed (the Euler step: 1) */
     double a[10], b[10];
 };
 extern const struct stepper stepper_table[];
 extern const int stepper_count;
+extern const struct stepper *const stepper_instead;   /* of a step that `local` would leave inadmissible */
 const struct stepper *stepper_find(const char *name); /* NULL: none */
 
 /* Makes struct stepper's exchange for one number: U0 is `start` and becomes *next, U is *state. */

@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Runge-Kutta stages as a part of a step (docs/physics.md 7.2), and the limiting that keeps the state admissible.
+/* The stages as a part of a step (docs/physics.md 7.1, 7.2), and the limiting that keeps the state admissible.
  *
  * A stage is computed at high order. If a cell is inadmissible after it, or denser and all but packed, the cell is
  * flagged and the stage is done again with the fluxes through flagged cells' faces limited (libcore/schemes/limit.h).
  * That may spoil a neighbour, which is then flagged, too; flags only grow, so this ends. Then flagged cells are
  * admissible by the theorem of limit.h, and the others were checked. Smooth flow pays nothing and keeps its order and
  * its bits. If the theorem's Courant number was exceeded and a flagged cell is inadmissible all the same, the step is
- * rejected and done again with half of dt or less (libcore/step/step.c). */
+ * rejected and done again with half of dt or less (libcore/step/step.c). Local time steps are one stage, which other
+ * ones replace if a cell is inadmissible after it. */
 #include "libcore/step/step_parts.h"
+
+/* More short steps than these in one of local steps are a collapse. */
+static const double MOST_STEPS = 10000;
 
 /* Returns the fraction of dt at which a stage begins: the sum of the stages before it, for dU/dt = 1. */
 static double part_of(const struct stepper *s, int stage) {
@@ -37,7 +41,7 @@ static double share_of(const struct stepper *s, int added) {
 }
 
 struct stage_now stages_next(const struct gas *g, const struct attempt *a, int number) {
-    const struct stepper *s = g->models.stepper;
+    const struct stepper *s = a->stepper;
     const double part = (1 - s->a[number]) * share_of(s, number);
     return (struct stage_now){.number = number,
                               .is_last = number + 1 == s->stages,
@@ -72,7 +76,7 @@ static void exchange(struct gas *g, const struct state *start, const struct stat
 
 void stages_pass(struct gas *g, struct attempt *a, int number) {
     swap_states(&g->V, &g->W);
-    if (number + 1 != g->models.stepper->exchange) return;
+    if (number + 1 != a->stepper->exchange) return;
     exchange(g, a->U0, &g->U0, &g->V);
     a->U0 = &g->U0;
 }
@@ -97,6 +101,8 @@ static bool stages_begin(struct gas *g, struct attempt *a) {
     a->hot = !g->step.hybrid && overheated(g, a);
     if (a->hot) return false;
     g->step.dt = a->dt;
+    g->step.t = a->t;
+    g->step.courant = larger(a->maxCo, a->dt * a->speed->rate); /* a fixed dt may go beyond maxCo */
     if (g->falling.cells) source_gravity(&g->models.source, a->t, a->dt, g->falling.gravity);
     if (a->guarded && !g->step.hybrid && any_rank(g, a->bad)) return false;
     if (a->at_once && a->sources) {
@@ -128,14 +134,14 @@ static bool mend_stage(struct gas *g, const struct state *U0, const struct state
 /* Mends a stage that left cells of some rank inadmissible; returns false if it cannot. */
 static bool guard_stage(struct gas *g, const struct attempt *a, const struct stage_now *s) {
     g->step.guarded = GUARDED;
-    g->floors.share = share_of(g->models.stepper, s->number);
+    g->floors.share = share_of(a->stepper, s->number);
     return mend_stage(g, a->U0, s->from, &g->W, s->a, s->dt);
 }
 
 /* In a guarded step every stage is looked at, and its inadmissible cells are mended at once; where there are none, the
  * bits are those of a step that is not guarded. */
-static bool stages_stage(struct gas *g, struct attempt *a, const struct stage_now *s) {
-    if (g->patches.renew) renew_patches(g, a->t + part_of(g->models.stepper, s->number) * a->dt);
+static bool runge_kutta(struct gas *g, struct attempt *a, const struct stage_now *s) {
+    if (g->patches.renew) renew_patches(g, a->t + part_of(a->stepper, s->number) * a->dt);
     books_stage(g, s->from, s->part * s->dt);
     struct ending *ending = a->at_once && s->is_last ? &a->ending : NULL;
     const long found = g->engine->stage.stage(g, a->U0, s->from, &g->W, s->a, s->dt, ending);
@@ -145,6 +151,65 @@ static bool stages_stage(struct gas *g, struct attempt *a, const struct stage_no
         return false;
     books_staged(g, s->part * s->dt);
     return true;
+}
+
+/* The largest rate of the start of the stages, over all ranks, however long the steps of single cells are. */
+static double shortest_rate(struct gas *g, const struct attempt *a) {
+    struct gas_speed speed;
+    const bool moved = a->U0 == &g->U0;
+    if (moved) swap_states(&g->U, &g->U0);
+    g->engine->state.speed(g, &speed);
+    if (moved) swap_states(&g->U, &g->U0);
+    comm_max(g->comm, &speed.rate, 1);
+    return ldexp(speed.rate, speed.levels);
+}
+
+/* Does the stages of a step from a->U0 to V. */
+static bool short_step(struct gas *g, struct attempt *a) {
+    g->step.dt = a->dt;
+    for (int number = 0; number < a->stepper->stages; number++) {
+        const struct stage_now s = stages_next(g, a, number);
+        if (!runge_kutta(g, a, &s)) return false;
+        stages_pass(g, a, number);
+    }
+    return true;
+}
+
+/* Computes in W what local steps left inadmissible, by as many guarded steps of stages as maxCo wants. */
+static bool by_stages(struct gas *g, const struct attempt *a) {
+    struct attempt part = *a;
+    part.stepper = stepper_instead;
+    g->counts.now.staged++;
+    for (double left = a->dt, n = 2; n > 1; left -= part.dt) {
+        n = ceil(left * shortest_rate(g, &part) / a->maxCo);
+        if (!(n < MOST_STEPS)) return false;
+        part.dt = n > 1 ? left / n : left;
+        if (!short_step(g, &part)) return false;
+        part.t += part.dt;
+        swap_states(&g->U0, &g->V);
+        part.U0 = &g->U0;
+    }
+    swap_states(&g->U0, &g->W);
+    return true;
+}
+
+/* A step in which each cell takes its own ones is looked at when it ends. If cells are inadmissible then, an unguarded
+ * step is done again, and a guarded one by stages. So the bits do not depend on the guard. */
+static bool local_steps(struct gas *g, struct attempt *a, const struct stage_now *s) {
+    books_stage(g, s->from, s->part * s->dt);
+    const long found = g->engine->stage.local(g, s->from, &g->W, s->dt);
+    if (!a->guarded)
+        a->bad += found;
+    else if (any_rank(g, found)) {
+        flags_clear(g);
+        return by_stages(g, a);
+    }
+    books_staged(g, s->part * s->dt);
+    return true;
+}
+
+static bool stages_stage(struct gas *g, struct attempt *a, const struct stage_now *s) {
+    return (a->stepper->local ? local_steps : runge_kutta)(g, a, s);
 }
 
 /* A bed is given back its start, so that it takes part in the second halves of other parts. */

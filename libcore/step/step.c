@@ -117,7 +117,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     for (;;) {
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
         g->engine->stage.fronts(g, speed);
-        tried = (struct attempt){.t = t, .dt = *dt, .maxCo = maxCo, .speed = speed};
+        tried = (struct attempt){.t = t, .dt = *dt, .maxCo = maxCo, .stepper = g->models.stepper, .speed = speed};
         const bool stands = try_step(g, &tried);
         TRY(renewal_failure(g));
         if (stands) break;

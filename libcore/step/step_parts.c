@@ -55,7 +55,7 @@ static bool begin_all(struct walk *w) {
 }
 
 static bool stage_all(struct walk *w) {
-    const int stages = w->g->step.hybrid && w->g->dense->alone ? 0 : w->g->models.stepper->stages;
+    const int stages = w->g->step.hybrid && w->g->dense->alone ? 0 : w->a->stepper->stages;
     for (int number = 0; number < stages; number++) {
         const struct stage_now s = stages_next(w->g, w->a, number);
         for (int i = PARTS - 1; i >= 0; i--)

@@ -9,6 +9,7 @@
 
 struct attempt { /* at a step */
     double t, dt, maxCo;
+    const struct stepper *stepper;
     const struct gas_speed *speed; /* of g->U, from which dt was chosen */
     bool guarded;                  /* is each stage looked at, and mended at once? */
     bool sources;                  /* are there any? */

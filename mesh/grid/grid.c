@@ -101,21 +101,22 @@ static status end(struct grid *g, status e, struct grid **out) {
 }
 
 status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const struct comm *c,
-                 int rings, struct grid **out) {
+                 int rings, bool sized, struct grid **out) {
     struct grid *g;
     status s = begin(m, c, &g);
     if (!s) g->hidden->centre = centre;
     if (!s && l) s = take_forest(g, l);
-    if (!s && !l) s = polyhedra_make(m, c, rings, &g->polyhedra);
+    if (!s && !l) s = (sized ? polyhedra_make_sized : polyhedra_make)(m, c, rings, &g->polyhedra);
     if (!s && !l) s = take_polyhedra(g);
     return end(g, s, out);
 }
 
-status grid_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct grid **out) {
+status grid_make_spread(const struct polymesh *m, const struct spread *spread, int rings, bool sized,
+                        struct grid **out) {
     struct grid *g;
     status s = begin(m, spread->comm, &g);
     if (!s) g->hidden->mesh = &g->hidden->part.mesh;
-    if (!s) s = polyhedra_make_spread(m, spread, rings, &g->hidden->part, &g->polyhedra);
+    if (!s) s = polyhedra_make_spread(m, spread, rings, sized, &g->hidden->part, &g->polyhedra);
     if (!s) s = take_polyhedra(g);
     return end(g, s, out);
 }

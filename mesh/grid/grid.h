@@ -27,13 +27,14 @@ struct grid {
     struct grid_private *hidden; /* the order of gathered values, the search for the cell of a point */
 };
 
-/* Makes a forest of the lattice l or, where l is NULL, polyhedra with stencils of `rings` rings (polyhedra_make). m,
- * centre ([ncells][3] m, of polyhedra) and c are borrowed. Collective. */
+/* Makes a forest of the lattice l or, where l is NULL, polyhedra with stencils of `rings` rings (polyhedra_make; sized:
+ * polyhedra_make_sized). m, centre ([ncells][3] m, of polyhedra) and c are borrowed. Collective. */
 status grid_make(const struct lattice *l, const struct polymesh *m, const double *centre, const struct comm *c,
-                 int rings, struct grid **out);
+                 int rings, bool sized, struct grid **out);
 /* Makes polyhedra of a mesh that is spread over the ranks; `spread` may be freed then. Collective. */
 struct spread;
-status grid_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct grid **out);
+status grid_make_spread(const struct polymesh *m, const struct spread *spread, int rings, bool sized,
+                        struct grid **out);
 void grid_free(struct grid *g);
 void grid_settle(struct grid *g); /* frees what grid_locate needs: no point is looked for any more */
 int grid_tile_size(int dim);      /* most cells of a tile along an axis, of a lattice of dim axes */

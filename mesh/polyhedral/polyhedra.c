@@ -9,6 +9,7 @@
 
 #include "mesh/polyhedral/polyhedra_make_private.h"
 
+static const double CLASSES = 4; /* of sizes, within a factor of two */
 /* Marks in `local` until the cells are numbered. */
 enum { NOWHERE = -1, MINE = -2, NEAR = -3, FAR = -4, WALKED = -5, ORDERED = -6 };
 
@@ -71,9 +72,51 @@ static int walk(const struct links *l, int *marks, int start, int mark, int othe
     return in;
 }
 
-/* Numbers my cells, those that wait last, level by level, in the order of walks through each part of them that hangs
- * together. A walk starts at the end of another one, at the rim: so the neighbours of a cell stand little before or
- * behind it. */
+/* The area of the faces of a cell over its volume, in the plane of round meshes: the rate of sound in it per speed. */
+static double rate_of(const struct links *l, int cell) {
+    const double *middle = NULL;
+    double area = 0, volume = 0;
+    for (int k = l->cell_start[cell]; k < l->cell_start[cell + 1]; k++) {
+        const int code = l->cell_link[k], link = code < 0 ? ~code : code;
+        const bool twin = code < 0 && l->twin[link] >= 0;
+        const int face = twin ? l->twin[link] : l->face[link];
+        const double *A = l->face_area + 3L * face, *x = l->face_centre + 3L * face, sign = code < 0 && !twin ? -1 : 1;
+        double square = 0;
+        if (!middle) middle = x;
+        for (int a = 0; a < l->dim; a++) {
+            const int axis = l->axis[a];
+            square += A[axis] * A[axis];
+            volume += sign * A[axis] * (x[axis] - middle[axis]) / l->dim;
+        }
+        area += sqrt(square);
+    }
+    return area / volume;
+}
+
+struct sized { /* a cell */
+    int class, place, cell;
+};
+static int by_size(const void *a, const void *b) {
+    const struct sized *p = a, *q = b;
+    if (p->class != q->class) return p->class < q->class ? -1 : 1;
+    return (p->place > q->place) - (p->place < q->place);
+}
+
+/* Sorts n cells by classes of their sizes, the largest ones first. */
+static status sort_sizes(const struct work *w, int n, int *order) {
+    struct sized *s;
+    TRY(allocate(&s, n, sizeof *s, "the cells"));
+    for (int i = 0; i < n; i++)
+        s[i] = (struct sized){(int)floor(CLASSES * log2(rate_of(&w->links, order[i]))), i, order[i]};
+    qsort(s, (size_t)n, sizeof *s, by_size);
+    for (int i = 0; i < n; i++) order[i] = s[i].cell;
+    free(s);
+    return OK;
+}
+
+/* Numbers my cells, those that wait last, in the order of their sizes if that is wanted, and of walks through each part
+ * of them that hangs together. A walk starts at the end of another one, at the rim: so the neighbours of a cell stand
+ * little before or behind it. */
 static status number_mine(struct polyhedra *m, struct work *w) {
     int *order, n = 0, first = 0;
     TRY(allocate(&order, m->nown, sizeof *order, "the cells"));
@@ -82,14 +125,14 @@ static status number_mine(struct polyhedra *m, struct work *w) {
             const int last = first + walk(&w->links, w->local, w->mine[k], MINE, WALKED, order + first) - 1;
             first += walk(&w->links, w->local, order[last], WALKED, ORDERED, order + first);
         }
+    status e = w->sized && m->nown ? sort_sizes(w, m->nown, order) : OK;
     for (int waits = 0; waits < 2; waits++) {
-        for (int level = 0; level == 0 || level < w->nlevels; level++)
-            for (int k = 0; k < m->nown; k++)
-                if (w->waits[order[k]] == waits && (!w->level || w->level[order[k]] == level)) m->cell[n++] = order[k];
+        for (int k = 0; k < m->nown; k++)
+            if (w->waits[order[k]] == waits) m->cell[n++] = order[k];
         if (!waits) m->ninner = n;
     }
     free(order);
-    return OK;
+    return e;
 }
 
 static status scout_all(struct polyhedra *m, struct work *w) {
@@ -375,15 +418,14 @@ status polyhedra_make(const struct polymesh *mesh, const struct comm *c, int rin
     return make(mesh, c, rings, &w, out);
 }
 
-status polyhedra_make_levels(const struct polymesh *mesh, const struct comm *c, int rings, int nlevels,
-                             const int *level, struct polyhedra **out) {
-    struct work w = {.nlevels = nlevels, .level = level};
+status polyhedra_make_sized(const struct polymesh *mesh, const struct comm *c, int rings, struct polyhedra **out) {
+    struct work w = {.sized = true};
     return make(mesh, c, rings, &w, out);
 }
 
-status polyhedra_make_spread(const struct polymesh *mesh, const struct spread *spread, int rings,
+status polyhedra_make_spread(const struct polymesh *mesh, const struct spread *spread, int rings, bool sized,
                              struct mesh_part *part, struct polyhedra **out) {
-    struct work w = {.spread = spread, .part = part};
+    struct work w = {.spread = spread, .part = part, .sized = sized};
     *part = (struct mesh_part){.mesh.nfaces = 0};
     return make(mesh, spread->comm, rings, &w, out);
 }

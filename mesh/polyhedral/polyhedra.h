@@ -120,17 +120,16 @@ struct polyhedra {
  * coefficients (without the constant), or the mesh ends. Quadrature is of order 1 for rings 1, 3 for rings 2. Refuses
  * (ERR_INPUT, with cell or face and place) a mesh that finite volumes cannot use. Collective. */
 status polyhedra_make(const struct polymesh *m, const struct comm *c, int rings, struct polyhedra **out);
-/* Makes the same with the inner cells in the order of level[ncells_all], 0 .. nlevels - 1, in the order of above within
- * a level. As faces stand in the order of their higher cell, the faces of the cells from any level on are the last
- * ones, too: of the local faces, and of each patch. Collective. */
-status polyhedra_make_levels(const struct polymesh *m, const struct comm *c, int rings, int nlevels, const int *level,
-                             struct polyhedra **out);
+/* Makes the same with the cells from the largest to the smallest, inner ones first, for local time steps: cells of
+ * about one size stand in the order of above. Collective. */
+status polyhedra_make_sized(const struct polymesh *m, const struct comm *c, int rings, struct polyhedra **out);
 /* Makes the same of a mesh that is spread over the ranks; m is its outline. *part gets the cells of this rank and those
- * around them that stencils take; the caller frees it, also after an error. Collective. */
+ * around them that stencils take; the caller frees it, also after an error. sized: as polyhedra_make_sized.
+ * Collective. */
 struct spread;
 struct mesh_part;
-status polyhedra_make_spread(const struct polymesh *m, const struct spread *spread, int rings, struct mesh_part *part,
-                             struct polyhedra **out);
+status polyhedra_make_spread(const struct polymesh *m, const struct spread *spread, int rings, bool sized,
+                             struct mesh_part *part, struct polyhedra **out);
 void polyhedra_free(struct polyhedra *m);
 /* The arm of the angular momentum of an own cell of a body of revolution, m: the integral of r^3 over that of r^2. */
 double polyhedra_arm(const struct polyhedra *m, int cell);

@@ -21,8 +21,7 @@ struct work {         /* scratch while a struct polyhedra is made; lists are by 
     int *local;    /* [cells] number on this rank, or a mark of polyhedra.c */
     int *members;  /* [cells] members of the cell's stencil */
     bool *waits;   /* [cells] does the cell's stencil hold ghosts? */
-    int nlevels;
-    const int *level; /* [cells] of polyhedra_make_levels, borrowed; NULL: all cells have the same level */
+    bool sized;    /* do cells stand in the order of their size? */
     int nghosts;
     struct ghost *ghost;
     int *ghost_rank;          /* [ghosts] rank that has the ghost */

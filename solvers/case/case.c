@@ -155,11 +155,11 @@ void setup_place(const struct setup *s, long cell, double x[3]) {
         lattice_centre(s->lattice, cell, x);
 }
 
-status setup_grid(struct setup *s, bool polyhedral, int rings) {
+status setup_grid(struct setup *s, bool polyhedral, int rings, bool sized) {
     const bool forest = s->lattice && !polyhedral;
-    if (s->spread) return grid_make_spread(s->mesh, s->spread, rings, &s->grid);
+    if (s->spread) return grid_make_spread(s->mesh, s->spread, rings, sized, &s->grid);
     if (!forest) TRY(setup_complete(s));
-    TRY(grid_make(forest ? s->lattice : NULL, s->mesh, s->centre, s->comm, rings, &s->grid));
+    TRY(grid_make(forest ? s->lattice : NULL, s->mesh, s->centre, s->comm, rings, sized, &s->grid));
     if (!forest || s->medium->type->whole) return OK;
     lattice_drop_faces(s->lattice);
     drop_cells(s);

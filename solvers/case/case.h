@@ -71,8 +71,9 @@ void setup_release(struct setup *s);
 /* Of a cell, m^3. Where the mesh is spread, the cell must be of this rank's slice. */
 double setup_volume(const struct setup *s, long cell);
 void setup_place(const struct setup *s, long cell, double x[3]); /* the centre of any cell (m). Collective */
-/* Makes s->grid; a polyhedral one has stencils of `rings` rings. Collective. */
-status setup_grid(struct setup *s, bool polyhedral, int rings);
+/* Makes s->grid; a polyhedral one has stencils of `rings` rings and, if `sized`, its cells in the order
+ * of their sizes. Collective. */
+status setup_grid(struct setup *s, bool polyhedral, int rings, bool sized);
 /* Before anything is made in the case: fails if its folder is gone, or another one stands in its place. */
 status case_here(const struct setup *s);
 status case_make_folders(const struct setup *s, const char *path); /* the same, then makes the folder and its parents */

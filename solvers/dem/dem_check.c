@@ -158,5 +158,5 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     r->law.gravity = &m->forces.source;
     TRY(warn_of(s, r));
     TRY(warn_program(s));
-    return setup_grid(s, r->mesh != NULL, 1);
+    return setup_grid(s, r->mesh != NULL, 1, false);
 }

@@ -129,8 +129,10 @@ static status gas_read_state(struct setup *s) {
     const bool implicit = models->transport && !models->diffusion->plan;
     if (s->lattice && g->models->skip_axes && !implicit) TRY(uniform_find(s->mesh, g->initial, s->lattice));
     if (s->lattice) s->lattice->even = models->transport && !implicit;
-    TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings));
+    TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings,
+                   models->stepper->local));
     TRY(check_scheme(s, g));
+    TRY(models_local(s, g->models, g->initial->rules));
     if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "
@@ -318,11 +320,14 @@ static const char *plural(long n) {
 /* Prints what kept the state admissible since the last entry. */
 static void print_limited(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
     const long faces = n->faces - was->faces, cells = n->cells - was->cells, rejected = n->rejected - was->rejected;
-    const long floored = n->floored - was->floored;
+    const long floored = n->floored - was->floored, staged = n->staged - was->staged;
     if (cells > 0)
         fprintf(f,
                 "    limited: %ld face%s of %ld cell%s, the last at (%.6g %.6g %.6g) (in all %ld faces, %ld cells)\n",
                 faces, plural(faces), cells, plural(cells), n->place[0], n->place[1], n->place[2], n->faces, n->cells);
+    if (staged > 0)
+        fprintf(f, "    by stages: %ld step%s (in all %ld) that local steps would leave inadmissible\n", staged,
+                plural(staged), n->staged);
     if (rejected > 0) fprintf(f, "    rejected: %ld step%s (in all %ld)\n", rejected, plural(rejected), n->rejected);
     if (floored > 0)
         fprintf(f, "    round-off floor: %ld cell%s, energy +%.3g (in all %ld, +%.3g)\n", floored, plural(floored),
@@ -332,6 +337,15 @@ static void print_limited(FILE *f, const struct gas_counts *was, const struct ga
         fprintf(f, "    density floor: %ld cell%s, mass +%.3g, energy +%.3g (in all %ld, +%.3g, +%.3g)\n", filled,
                 plural(filled), n->fill[0] - was->fill[0], n->fill[1] - was->fill[1], n->filled, n->fill[0],
                 n->fill[1]);
+}
+
+/* Prints how many cells take the step, how many take halves of it, and so on. */
+static void print_levels(FILE *f, const struct gas_counts *n) {
+    int most = GAS_LEVELS - 1;
+    while (most > 0 && n->levels[most] == 0) most--;
+    fprintf(f, "    local steps:");
+    for (int k = 0; k <= most; k++) fprintf(f, "%s %ld cells 1/%d", k ? "," : "", n->levels[k], 1 << k);
+    fprintf(f, " of the step\n");
 }
 
 static void print_beds(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
@@ -407,6 +421,7 @@ static void print_state(FILE *f, const struct gas_state *g, const struct gas_cou
     fprintf(f, "    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", x->alpha[0], x->alpha[1], x->T[0], x->T[1],
             x->mach[0], x->mach[1]);
     print_totals(f, g, x->totals);
+    if (g->models->gas.stepper->local && n->levels[0] > 0) print_levels(f, n);
     print_limited(f, was, n);
     print_diffusion(f, was, n);
     print_beds(f, was, n);

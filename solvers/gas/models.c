@@ -3,6 +3,8 @@
  * and the parameters that belong to no row of them. */
 #include "solvers/gas/models.h"
 
+#include "libcore/schemes/flux_rules.h"
+
 #include "solvers/case/case.h"
 #include "solvers/case/fields.h"
 #include "solvers/dict/family.h"
@@ -445,6 +447,42 @@ status models_swirl(const struct setup *s, struct case_models *m) {
     return OK;
 }
 
+/* ---- local time steps ---- */
+
+static bool any_feeds(const struct setup *s, const struct patch_rules *rules) {
+    bool any = false;
+    for (int p = 0; p < s->mesh->npatches; p++) any |= patch_feeds(&rules[p]);
+    return any;
+}
+
+status models_local(const struct setup *s, const struct case_models *m, const struct patch_rules *rules) {
+    const struct gas_models *g = &m->gas;
+    const struct wanted_rules on = rules_of(g->flux, &g->flux_params, false, false);
+    const bool linear = g->polynomial->degree < 2, dense = gas_may_be_dense(g);
+    const struct {
+        bool is;
+        const char *what, *cure;
+    } hurdle[] = {
+        {!s->grid->polyhedra, "a lattice", "say  meshEngine polyhedral;"},
+        {!linear, "a polyReconstruct of quadratics", "say  polyReconstruct linear;"},
+        {s->mesh->round.on, "a body of revolution", NULL},
+        {g->flux->paced, "a fluxScheme that depends on the time step", "say  fluxScheme common;"},
+        {on.shocks || on.expansions || on.contacts, "rules of single faces but fronts",
+         "take them out of commonCoeffs"},
+        {g->transport, "transport", "say  transport none;"},
+        {source_falls(&g->source, s->components), "gravity or shaking", NULL},
+        {dense, "implicit acoustics", "say  acoustics { type explicit; }  in system/fvSolution"},
+        {g->material.threshold > 0, "a thresholdSpeed", "take it out of grain"},
+        {g->ncarried > 0, "carried quantities", NULL},
+        {any_feeds(s, rules), "a patch that feeds mass", "choose fixedValue for U"},
+    };
+    for (int i = 0; i < COUNT(hurdle) && g->stepper->local; i++)
+        if (hurdle[i].is)
+            return dict_fail(m->schemes, "timeScheme", "local is not there for %s: %s%ssay  timeScheme SSPRK43;",
+                             hurdle[i].what, hurdle[i].cure ? hurdle[i].cure : "", hurdle[i].cure ? ", or " : "");
+    return OK;
+}
+
 /* ---- listing and printing ---- */
 
 void forces_list(FILE *f) {
@@ -626,7 +664,9 @@ double models_memory(const struct setup *s, const struct gas_models *g) {
                            ? s->mesh->ncells * 3. + faces * (2 * dim + 2) + bed_memory(dim, u, s->mesh->ncells, faces)
                            : 0;
     const double friction = friction_memory(g, dim, u, s->mesh->ncells, 2 * faces / s->mesh->ncells);
-    return 8 * (bed + friction) + s->mesh->ncells * (cell + 8 * carried_memory(g, dim)) +
+    /* struct cells_local, and the values at the points of faces that fits keep */
+    const double local = g->stepper->local ? s->mesh->ncells * (8. + u) + faces * (4. * (2 + u) + 3) : 0;
+    return 8 * (bed + friction + local) + s->mesh->ncells * (cell + 8 * carried_memory(g, dim)) +
            faces * (40 + 8 * dim * (dim + 1) + (transport ? 8 * (dim + 6 + terms.cross) : 0) +
                     sides * 8 * (1 + 2 * dim + 2 * coefficients));
 }

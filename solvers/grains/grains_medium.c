@@ -138,7 +138,7 @@ static status medium_state(struct setup *s) {
     TRY(check_scales(s, x));
     if (saved) TRY(grains_state_read(path, &x->saved));
     x->law = law_of(x->models);
-    return setup_grid(s, x->mesh != NULL, 1);
+    return setup_grid(s, x->mesh != NULL, 1, false);
 }
 
 /* Returns the sum of column k over the walls in a block of rows of grains_impulses: 1 of grains that left, 2 of those

@@ -108,7 +108,7 @@ static status line_state(struct setup *s, struct mixture *x) {
     TRY(segregation_flow_read(s, x->models, NULL, &x->flow));
     TRY(segregation_setup_laws(s, &x->flow, &x->line));
     TRY(read_phi(s, x));
-    TRY(setup_grid(s, false, 1));
+    TRY(setup_grid(s, false, 1, false));
     return setup_complete(s); /* the grid drops what a lattice does without */
 }
 
@@ -119,7 +119,7 @@ static status lattice_state(struct setup *s, struct mixture *x) {
     TRY(check_patches(s, x->field));
     TRY(segregation_flow_read(s, x->models, &x->places, &x->flow));
     TRY(segregation_box_make(&x->pool, s, x->models, &x->places, x->field, &x->flow, &x->box));
-    return setup_grid(s, false, 1);
+    return setup_grid(s, false, 1, false);
 }
 
 static status mixture_state(struct setup *s) {

@@ -57,7 +57,7 @@ static status subject_make(const struct scheme *k, const struct comm *c, int sid
     free(face);
     TRY(measured);
     if (!k->polynomial) TRY(lattice_recognise(s->mesh, &lattice, why));
-    TRY(grid_make(lattice, s->mesh, s->centre, c, models.polynomial->rings, &s->grid));
+    TRY(grid_make(lattice, s->mesh, s->centre, c, models.polynomial->rings, false, &s->grid));
     lattice_free(lattice);
     if (k->polynomial) return gas_make_polyhedral(s->grid, &models, 6, none, &s->gas);
     return gas_make(s->grid->forest, &models, 6, none, &s->gas);

@@ -53,7 +53,7 @@ static inline void open_mesh(struct scene *s, const struct comm *c) {
     polymesh_face_geometry(s->mesh, face, face + 3 * s->mesh->nfaces);
     ok(polymesh_cell_geometry(s->mesh, face, face + 3 * s->mesh->nfaces, s->centre, volume));
     free(face);
-    ok(grid_make(NULL, s->mesh, s->centre, c, s->models.polynomial->rings, &s->grid));
+    ok(grid_make(NULL, s->mesh, s->centre, c, s->models.polynomial->rings, s->models.stepper->local, &s->grid));
     ok(gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &s->gas));
 }
 

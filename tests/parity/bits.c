@@ -183,7 +183,7 @@ static status print_polynomial(const struct comm *c, const struct cells_recipe *
     m.polynomial = p;
     viscous_walls(spheres, walls);
     for (int k = 0; k < 6 && !diffusion; k++) walls[k].velocity.type = boundary_find("slip");
-    TRY(grid_make(NULL, mesh, NULL, c, p->rings, &grid));
+    TRY(grid_make(NULL, mesh, NULL, c, p->rings, false, &grid));
     TRY(gas_make_polyhedral(grid, &m, 6, walls, &g));
     TRY(fill(g, mesh->ncells, (int[3]){mesh->ncells, 1, 1}));
     TRY(advance(g));

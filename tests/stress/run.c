@@ -190,7 +190,7 @@ static status make_polyhedra(struct scene *s) {
     }
     free(face);
     TRY(e);
-    return grid_make(NULL, m, s->centre, s->comm, s->models.polynomial->rings, &s->grid);
+    return grid_make(NULL, m, s->centre, s->comm, s->models.polynomial->rings, s->models.stepper->local, &s->grid);
 }
 
 static status make_lattice(struct scene *s) {

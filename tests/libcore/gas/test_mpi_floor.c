@@ -82,7 +82,8 @@ static void fly_apart(void (*open)(struct scene *, const struct comm *), const c
 
 static void lattice(void **state) {
     (void)state;
-    for (int i = 0; i < stepper_count; i++) fly_apart(open_lattice, stepper_table[i].model.name, 0.05, 150);
+    for (int i = 0; i < stepper_count; i++)
+        if (!stepper_table[i].local) fly_apart(open_lattice, stepper_table[i].model.name, 0.05, 150);
 }
 
 static void polyhedra(void **state) {

@@ -40,7 +40,7 @@ static void begin(struct fixture *x, const struct recipe *r, bool forest, int ri
     ok(polymesh_cell_geometry(x->m, face, area, x->centre, x->volume));
     free(face), free(area);
     ok(lattice_recognise(x->m, &x->l, why));
-    ok(grid_make(forest ? x->l : NULL, x->m, x->centre, world, rings, &x->g));
+    ok(grid_make(forest ? x->l : NULL, x->m, x->centre, world, rings, false, &x->g));
     for (int b = 0; b < x->g->nblocks; b++) x->n += x->g->block[b].ncells;
     for (int c = 0; c < 2; c++) x->values[c] = calloc((size_t)x->n + 1, 8);
     for (int k = 0; k < 6; k++) x->gradient[k] = calloc((size_t)x->n + 1, 8);

@@ -40,7 +40,7 @@ static bool begin(struct fixture *x, int kind) {
     free(face), free(area);
     ok(lattice_recognise(x->m, &x->l, why));
     assert_true((x->l == NULL) == (r->noise > 0));
-    ok(grid_make(forest ? x->l : NULL, x->m, x->centre, world, 1 + kind % 2, &x->g));
+    ok(grid_make(forest ? x->l : NULL, x->m, x->centre, world, 1 + kind % 2, false, &x->g));
     assert_true(forest ? x->g->forest && !x->g->polyhedra : x->g->polyhedra && !x->g->forest);
     return true;
 }

@@ -39,7 +39,7 @@ static void begin_spread(struct fixture *x, int rings, int form) {
     ok(comm_agree(world, comm_root(world) ? polymesh_write(x->mesh, folder, &format) : OK));
     ok(spread_read(folder, world, false, false, &spread, &x->outline));
     if (!spread) fail_msg("%s: form %d is not read in slices", x->r->name, form);
-    ok(polyhedra_make_spread(x->outline, spread, rings, &x->part, &x->m));
+    ok(polyhedra_make_spread(x->outline, spread, rings, false, &x->part, &x->m));
     assert_int_equal(polymesh_checksum(x->outline), polymesh_checksum(x->mesh));
     spread_free(spread);
     ok(comm_agree(world, OK)); /* before the root writes another one */

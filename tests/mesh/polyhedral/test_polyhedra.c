@@ -478,37 +478,29 @@ static void a_mesh_in_two_parts_is_cut_as_well(void **state) {
     polymesh_free(mesh);
 }
 
-/* From any level on, cells are the last ones, and so are their faces inside and on each patch. */
-static void levels_stand_in_order(void **state) {
+/* The area of the faces of a cell over its volume rises from cell to cell, but for cells of one class; no cell is lost.
+ */
+static void sizes_stand_in_order(void **state) {
     (void)state;
-    const struct cells_recipe *r = &recipes[6];
-    struct polymesh *mesh = cells_make(r);
-    struct polyhedra *m;
-    int *level = calloc((size_t)mesh->ncells, sizeof *level), found = 0;
-    for (int c = 0; c < mesh->ncells; c++) level[c] = c * 7 % 3;
-    ok(polyhedra_make_levels(mesh, world, 1, 3, level, &m));
-    assert_int_equal(m->nown, mesh->ncells);
-    for (int i = 0; i < m->nown; i++) {
-        if (i) assert_true(level[m->cell[i - 1]] <= level[m->cell[i]]);
-        found += level[m->cell[i]];
-    }
-    for (int c = 0; c < mesh->ncells; c++) found -= level[c];
-    assert_int_equal(found, 0);
-    for (int f = 1; f < m->face.n; f++) {
-        int higher[2] = {0, 0};
-        if (f >= m->face.ninternal && (f == m->face.ninternal || m->face.patch[f - m->face.ninternal] !=
-                                                                     m->face.patch[f - 1 - m->face.ninternal]))
-            continue;
-        for (int k = 0; k < 2; k++) {
-            const int l = level[m->cell[m->face.left[f - k]]], right = m->face.right[f - k];
-            const int o = right < m->nown ? level[m->cell[right]] : l;
-            higher[k] = l > o ? l : o;
+    for (int which = 0; which < (int)(sizeof recipes / sizeof *recipes); which++) {
+        struct polymesh *mesh = cells_make(&recipes[which]);
+        struct polyhedra *m;
+        ok(polyhedra_make_sized(mesh, world, 1, &m));
+        long left = (long)mesh->ncells * (mesh->ncells - 1) / 2;
+        double most = 0;
+        for (int i = 0; i < m->nown; i++) {
+            double rate = 0;
+            for (int k = m->face_start[i]; k < m->face_start[i + 1]; k++)
+                rate += m->face.area[m->face_of_cell[k] < 0 ? ~m->face_of_cell[k] : m->face_of_cell[k]] / m->volume[i];
+            if (rate > most) most = rate;
+            assert_true(rate * 1.1893 > most); /* 2^(1/4) */
+            left -= m->cell[i];
         }
-        assert_true(higher[1] <= higher[0]);
+        assert_int_equal(m->nown, mesh->ncells);
+        assert_int_equal(left, 0);
+        polyhedra_free(m);
+        polymesh_free(mesh);
     }
-    free(level);
-    polyhedra_free(m);
-    polymesh_free(mesh);
 }
 
 static void what_cannot_be_solved_is_refused(void **state) {
@@ -545,7 +537,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(the_apex_of_a_pyramid_is_a_corner_of_four),
         cmocka_unit_test(blocks_hold_all_cells_once),
         cmocka_unit_test(a_mesh_in_two_parts_is_cut_as_well),
-        cmocka_unit_test(levels_stand_in_order),
+        cmocka_unit_test(sizes_stand_in_order),
         cmocka_unit_test(what_cannot_be_solved_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

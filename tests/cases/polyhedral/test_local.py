@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Local time steps through the programs: what they gain in steps, the same bytes on ranks and after a restart, the budget, and
+what is refused."""
+import os
+import re
+import shutil
+import unittest
+
+import numpy as np
+
+from tests.cases import harness, runs
+from tests.cases.harness import boxes
+from tests.cases.runtime import test_forces as forces
+
+N, SIZE = (40, 30, 1), (4.0, 3.0, 0.1)
+
+
+class Local(harness.Folder, unittest.TestCase):
+    def make(self, name, engine="polyhedral", scheme="linear", stepper="local", **options):
+        """Gas that cools, hot in a spot, on a lattice as polyhedra, between open sides."""
+        at = boxes.centres(N, SIZE)
+        hot = ((at[:, :2] - (1.6, 1.2)) ** 2).sum(axis=1) < 0.3
+        one, case = np.ones(len(at)), os.path.join(self.folder, name)
+        harness.box_case(case, N, SIZE, 100 * one, np.outer(one, (3, 1, 0)), np.where(hot, 1e5, 1e3), 0.06,
+                         **{"e": 0.9, "cooling": "Haff", "stepper": stepper, "courant": 1.0, "interval": 0.02, **options})
+        runs.add(case, "system/fvSchemes", f"meshEngine {engine};\npolyReconstruct {scheme};\n")
+        runs.add(case, "system/controlDict", "functions { budget { type energyBudget; } }\n")
+        return case
+
+    def run_case(self, case, **options):
+        return int(re.search(r"(\d+) steps in", harness.program("granularGas", "-case", case, **options).stdout)[1])
+
+    def test_ranks_restarts_and_budget(self):
+        case = self.make("plain")
+        copies = [shutil.copytree(case, f"{case}{ranks}") for ranks in (2, 3)]
+        steps = self.run_case(case)
+        for ranks, copy in zip((2, 3), copies):
+            self.run_case(copy, ranks=ranks)
+            runs.same(self, runs.results(case), runs.results(copy))
+        part = runs.until(case, case + "part", "0.04")
+        self.run_case(part, ranks=2)
+        runs.same(self, *(runs.contents(os.path.join(c, "0.06")) for c in (case, part)))
+        budget = forces.columns(case, "budget", "energyBudget.dat")
+        self.assertLess(np.abs(budget["residual"]).max(), 1e-12 * np.abs(budget["cooling"]).max())
+
+    def test_difference_from_stages(self):
+        """It takes a third of the steps, and comes to the same flow as steps get shorter."""
+        cases = [self.make(f"courant{stepper}{courant}", stepper=stepper, courant=courant)
+                 for stepper, courant in (("SSPRK43", 0.25), ("local", 1.0), ("local", 0.25), ("SSPRK43", 1.0))]
+        steps = [self.run_case(case) for case in cases]
+        self.assertLess(3 * steps[1], steps[3])
+        rho = [harness.haff.Case(case).field("rho") for case in cases]
+        first, second = (np.abs(q - rho[0]).mean() / rho[0].mean() for q in rho[1:3])
+        self.assertLess(second, first / 2)
+
+    def test_refusals(self):
+        """Each names the line of timeScheme and a cure; checkCase says the same."""
+        def edited(name, file, text, **options):
+            case = self.make(name, **options)
+            runs.add(case, file, text)
+            return case
+
+        coeffs = "commonCoeffs { contacts on; }\n"
+        cases = {"meshEngine polyhedral;": self.make("lattice", engine="lattice"),
+                 "polyReconstruct linear;": self.make("quadratic", scheme="CWENO3"),
+                 "fluxScheme common;": self.make("paced", flux="FORCE"),
+                 "out of commonCoeffs": edited("ruled", "system/fvSchemes", coeffs),
+                 "transport none;": self.make("viscous", **runs.SPHERES),
+                 "gravity or shaking": self.make("falls", gravity=(0.0, -9.0, 0.0)),
+                 "acoustics { type explicit; }": edited("bed", "system/fvSolution", "acoustics { type implicit; }\n"),
+                 "out of grain": self.make("threshold"),
+                 "carried quantities": edited("carries", "constant/granularProperties", "carried { dye { type passive; } }\n")}
+        runs.conduct(cases["transport none;"])
+        harness.edit(cases["out of grain"], "constant/granularProperties", restitution="0.9; thresholdSpeed 0.03")
+        runs.add(cases["out of grain"], "system/fvSolution", "acoustics { type explicit; }\n")
+        with open(os.path.join(cases["carried quantities"], "0", "rho")) as f:
+            text = re.sub(r"dimensions .*", "dimensions [0 0 0 0 0 0 0];", f.read().replace("rho;", "dye;"))
+        with open(os.path.join(cases["carried quantities"], "0", "dye"), "w") as f:
+            f.write(text)
+        for cure, case in cases.items():
+            with self.subTest(cure):
+                harness.refused(self, case, r"system/fvSchemes:\d+: key 'timeScheme' is local; local is not there for", cure)
+        done = harness.program("checkCase", "-case", cases["polyReconstruct linear;"], check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("polyReconstruct linear;", done.stderr + done.stdout)
+
+    def test_log(self):
+        case = self.make("logged")
+        self.assertRegex(harness.program("granularGas", "-case", case).stdout,
+                         r"local steps: \d+ cells 1/1, \d+ cells 1/2, \d+ cells 1/4")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Local time steps on polyhedra: order, sums, the same bits on any ranks and after a restart, steps that stages do. */
+#include "libcore/gas/gas.h"
+
+#include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
+#include "tests/libcore/scene.h"
+
+static struct comm *world, *alone;
+
+static void set_models(struct scene *s, const char *polynomial) {
+    *s = (struct scene){
+        .models = {.material = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 1.4, .alpha_max = 1},
+                   .eos = eos_find("perfectGas"),
+                   .flux = flux_find("common"),
+                   .flux_params = own_defaults(&flux_find("common")->model),
+                   .polynomial = polynomial_find(polynomial),
+                   .stepper = stepper_find("local")}};
+    set_walls(s, "slip");
+}
+
+/* Draws the points of a mesh together, in the middle of each axis, to a seventh of the largest width, in 0 .. length.
+ */
+static void grade(struct polymesh *m, int dim, const int n[3], double length) {
+    const double pi = acos(-1);
+    for (int i = 0; i < m->npoints; i++)
+        for (int k = 0; k < dim; k++) {
+            double *x = &m->points[3 * i + k];
+            const double part = *x / (0.1 * (k + 1) * n[k]);
+            *x = length * (part + 0.75 / (2 * pi) * sin(2 * pi * part));
+        }
+}
+
+static void open_graded(struct scene *s, const struct comm *c, const struct cells_recipe *r, double length) {
+    s->mesh = cells_make(r);
+    s->dim = r->dim;
+    grade(s->mesh, r->dim, r->n, length);
+    open_mesh(s, c);
+}
+
+static int levels_of(const struct scene *s) {
+    const struct gas_counts n = gas_counts(s->gas);
+    int levels = 0;
+    for (int k = 0; k < GAS_LEVELS; k++)
+        if (n.levels[k] > 0) levels = k + 1;
+    return levels;
+}
+
+static double volume(const struct scene *s, int i) {
+    return s->centre[3L * s->cells + i];
+}
+
+/* ---- a vortex that moves through a periodic square (Yee, Vinokur & Djomehri 2000) ---- */
+
+static double vortex_at(double t, const double x[2], double u[2], double *T) {
+    double d[2], pi = acos(-1);
+    for (int k = 0; k < 2; k++) d[k] = remainder(x[k] - 5 - t, 10);
+    const double g = 5 / (2 * pi) * exp((1 - d[0] * d[0] - d[1] * d[1]) / 2);
+    *T = 1 - g * g / 7;
+    u[0] = 1 - g * d[1];
+    u[1] = 1 + g * d[0];
+    return pow(*T, 2.5);
+}
+
+/* Returns the mean error of rho at t = 1. */
+static double vortex(int side) {
+    const struct cells_recipe r = {"triangles", 2, PRISMS, {side, side, 1}, {0, 1, 2}, 0.1, {true, true, false}};
+    struct scene s;
+    set_models(&s, "linear");
+    open_graded(&s, world, &r, 10);
+    double *all = calloc(4 * (size_t)s.cells, sizeof *all), *u[2] = {all + s.cells, all + 2 * s.cells}, error = 0;
+    for (int i = 0; i < s.cells; i++) {
+        double v[2];
+        all[i] = vortex_at(0, s.centre + 3L * i, v, &all[3 * s.cells + i]);
+        for (int k = 0; k < 2; k++) u[k][i] = v[k];
+    }
+    ok(gas_set(s.gas, all, (const double *const[3]){u[0], u[1], NULL}, all + 3 * s.cells));
+    double *start = state_of(&s, world);
+    struct gas_speed speed;
+    for (double t = 0, dt; t < 1 - 1e-12; t += dt) {
+        gas_speed(s.gas, &speed);
+        dt = fmin(1 / speed.rate, 1 - t);
+        ok(gas_step(s.gas, t, &dt, 1, 0, 0, &speed));
+    }
+    assert_true(speed.levels > 1);
+    double *end = state_of(&s, world);
+    for (int v = 0; v < 4; v++) {
+        double sum[2] = {0};
+        for (int i = 0; i < s.cells; i++) {
+            sum[0] += volume(&s, i) * start[v * s.cells + i];
+            sum[1] += volume(&s, i) * end[v * s.cells + i];
+        }
+        assert_near(sum[1], sum[0], 1e-13 * fabs(sum[0]));
+    }
+    double u1[2], T, whole = 0;
+    for (int i = 0; i < s.cells; i++) {
+        error += volume(&s, i) * fabs(end[i] - vortex_at(1, s.centre + 3L * i, u1, &T));
+        whole += volume(&s, i);
+    }
+    free(all);
+    free(start);
+    free(end);
+    close_scene(&s);
+    return error / whole;
+}
+
+static void smooth_flow_is_of_second_order(void **state) {
+    (void)state;
+    const double coarse = vortex(20), fine = vortex(40);
+    print_message("errors %g, %g: order %.2f\n", coarse, fine, log2(coarse / fine));
+    assert_true(log2(coarse / fine) > 1.9);
+}
+
+/* ---- a blast in a graded box of tetrahedra between an inlet, an outlet and walls ---- */
+
+enum { SIDE = 7 };
+
+static void open_blast(struct scene *s, const struct comm *c, const char *polynomial, double jump) {
+    const struct cells_recipe r = {"tetrahedra", 3, TETS, {SIDE, SIDE, SIDE}, {0, 1, 2}, 0.1, {false}};
+    set_models(s, polynomial);
+    for (int p = 0; p < 2; p++) {
+        const struct boundary_type *type = boundary_find(p ? "zeroGradient" : "fixedValue");
+        s->rules[p].density.type = s->rules[p].velocity.type = s->rules[p].temperature.type = type;
+        s->rules[p].density.uniform[0] = s->rules[p].velocity.uniform[0] = s->rules[p].temperature.uniform[0] = 1;
+    }
+    open_graded(s, c, &r, 1);
+    const int n = s->cells;
+    double *all = calloc(5 * (size_t)n, sizeof *all);
+    for (int i = 0; i < n; i++) {
+        double square = 0;
+        for (int k = 0; k < 3; k++) square += pow(s->centre[3 * i + k] - 0.4, 2);
+        const bool inside = square < 0.04;
+        all[i] = inside ? 1 : 1 / sqrt(jump);
+        all[n + i] = 0.3;
+        all[4 * n + i] = inside ? 1 : 1 / sqrt(jump);
+    }
+    ok(gas_set(s->gas, all, (const double *const[3]){all + n, all + 2 * n, all + 3 * n}, all + 4 * n));
+    free(all);
+}
+
+/* The same bits as on one rank, and as after a restart from the conserved variables. */
+static void bits_do_not_depend_on_ranks_or_restarts(void **state) {
+    (void)state;
+    for (int round = 0; round < 3; round++) {
+        const char *polynomial = round == 1 ? "firstOrder" : "linear";
+        const double jump = round == 2 ? 1e10 : 4;
+        struct scene s, one, again;
+        open_blast(&s, world, polynomial, jump);
+        open_blast(&one, alone, polynomial, jump);
+        open_blast(&again, world, polynomial, jump);
+        run(&one, 6, 1);
+        run(&s, 3, 1);
+        double *middle = state_of(&s, world), *U[MAX_VAR];
+        for (int v = 0; v < 5; v++) U[v] = middle + v * s.cells;
+        gas_set_conserved(again.gas, (const double *const *)U);
+        run(&s, 3, 1);
+        run(&again, 3, 1);
+        double *a = state_of(&s, world), *b = state_of(&one, alone), *c = state_of(&again, world);
+        assert_true(levels_of(&s) > 2);
+        assert_memory_equal(a, b, 5 * (size_t)s.cells * sizeof *a);
+        assert_memory_equal(a, c, 5 * (size_t)s.cells * sizeof *a);
+        free(middle);
+        free(a);
+        free(b);
+        free(c);
+        close_scene(&s);
+        close_scene(&one);
+        close_scene(&again);
+    }
+}
+
+static void add_face(void *left, const struct gas_face *face) {
+    double *sum = left;
+    sum[0] += face->mass;
+    for (int k = 0; k < 3; k++) sum[k + 1] += face->pressure[k];
+    sum[4] += face->energy;
+}
+
+/* What the state loses has left through the faces of patches, also where stages do the step. */
+static void tally_knows_what_left(void **state) {
+    (void)state;
+    for (int round = 0; round < 2; round++) {
+        struct scene s;
+        double before[MAX_VAR], after[MAX_VAR], left[5] = {0}, all[5] = {0};
+        open_blast(&s, world, "linear", round ? 1e10 : 4);
+        ok(gas_tally(s.gas));
+        ok(gas_totals(s.gas, before));
+        for (int step = 0; step < 5; step++) {
+            double now[5] = {0};
+            run(&s, 1, 1);
+            for (int block = 0; block < s.grid->polyhedra->nblocks; block++)
+                gas_tally_faces(s.gas, block, add_face, now);
+            for (int v = 0; v < 5; v++) left[v] += gas_tally_step(s.gas) * now[v];
+        }
+        comm_take_turn(world, all, 5);
+        for (int v = 0; v < 5; v++) all[v] += left[v];
+        comm_end_turn(world, all, 5);
+        ok(gas_totals(s.gas, after));
+        const long staged = gas_counts(s.gas).staged;
+        print_message("jump %g: %ld steps by stages\n", round ? 1e10 : 4., staged);
+        assert_true(round ? staged > 0 : staged == 0);
+        for (int v = 0; v < 5; v++) assert_near(before[v] - after[v], all[v], 1e-13 * before[4]);
+        ok(gas_check(s.gas));
+        close_scene(&s);
+    }
+}
+
+int main(int argc, char **argv) {
+    status s = comm_start(&argc, &argv, &world);
+    if (s || comm_alone(&alone)) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(smooth_flow_is_of_second_order),
+        cmocka_unit_test(bits_do_not_depend_on_ranks_or_restarts),
+        cmocka_unit_test(tally_knows_what_left),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    comm_alone_free(alone);
+    comm_finish(world);
+    return failed;
+}
