@@ -51,7 +51,7 @@ struct gas_models { /* models and schemes, as the dictionaries choose them */
     int swirl;          /* component around the axis of a body of revolution; 0: there is none */
     double alpha_floor; /* least alpha: mass is added where fluxes would fall below it; 0: off */
     /* without transport or a law that sees the shear rate: are cells in exactly uniform surroundings left out
-     * (libcore/lattice/tiles_activity.c)? The bits stay the same */
+     * (libcore/lattice/tiles_activity.c, libcore/polyhedral/cells_still.c)? The bits stay the same */
     bool skip_uniform;
 };
 

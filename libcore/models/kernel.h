@@ -61,6 +61,11 @@ static inline double double_of(uint64_t b) {
     memcpy(&x, &b, sizeof x);
     return x;
 }
+/* All bits are set where the condition holds: as wide as the numbers, such conditions are joined without being turned.
+ */
+static inline uint64_t is(bool condition) {
+    return -(uint64_t)condition;
+}
 /* Selects by a mask whose bits are all set or all clear: compilers make no vectors of loops with many conditions. */
 static inline double select_masked(uint64_t mask, double yes, double no) {
     return double_of((bits_of(yes) & mask) | (bits_of(no) & ~mask));

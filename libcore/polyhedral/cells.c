@@ -80,6 +80,7 @@ static status cells_make(struct gas *g) {
     TRY(cells_round_make(g));
     TRY(cells_fronts_make(g));
     TRY(cells_local_make(g));
+    TRY(cells_still_make(g));
     if (g->models.transport || needs_shear_rate(&g->models) || g->models.ncarried)
         TRY(cells_gradient_weights(g, &c->gradient));
     if (needs_shear_rate(&g->models)) TRY(cells_shear_rate_make(g));
@@ -109,6 +110,7 @@ static void cells_free(struct gas *g) {
     cells_rules_free(c->rules);
     cells_fronts_free(c->fronts);
     cells_local_free(c->local);
+    cells_still_free(c->still);
     free(c->flux[0]);
     for (int k = 0; k < MAX_DIM; k++) free(c->girth[k]);
     free(c->inverse_volume);

@@ -52,6 +52,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_carried *carried;       /* libcore/polyhedral/cells_carried.c; NULL: the gas carries nothing */
     struct cells_round *round;           /* libcore/polyhedral/cells_round.c; NULL: the mesh is not round */
     struct cells_local *local;           /* libcore/polyhedral/cells_local.c; NULL: all cells take the same steps */
+    struct cells_still *still;           /* libcore/polyhedral/cells_still.c; NULL: no cell is looked at */
 };
 
 struct cells_primitives { /* of a batch of cells */
@@ -132,6 +133,17 @@ status cells_sides_weights(const struct cells *c, const double *weight, double (
  * times left[faces + 1] where the cell is on the left of the face, elsewhere right[faces + 1]. */
 void cells_sides_sum(const struct cells *c, int from, const double (*weight)[BATCH], const double *left,
                      const double *right, double *out);
+
+/* ---- uniform gas (libcore/polyhedral/cells_still.c) ---- */
+
+/* After the round body and the sides of chunks. */
+status cells_still_make(struct gas *g);
+void cells_still_free(struct cells_still *s);
+/* Is it known before any work is done that the chunk that begins at a cell is uniform, and stays so but for sources? */
+bool cells_left_out(const struct gas *g, int at);
+/* Clears those residuals of n <= BATCH cells, whose variables lie g->size apart from U on, that are nothing but
+ * round-off. */
+void cells_still(const struct gas *g, int at, int n, double dt, const double *U, double (*residual)[BATCH]);
 
 /* ---- weight on walls (libcore/polyhedral/cells_weight.c) ---- */
 

@@ -254,26 +254,32 @@ static void limit_run(struct gas *g, int first, int last, const double *const *U
     if (p->n) limit_batch(g, U, p);
 }
 
-/* Is the flux through an inner face not wanted, as a bed keeps the cells on both sides as they are? */
-static bool is_idle(const struct gas *g, const double *part, int face) {
-    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    return part[f->left[face]] >= BED_FROZEN && part[f->right[face]] >= BED_FROZEN;
+struct idle {                   /* cells that want no flux between them; both NULL: all do */
+    const double *part;         /* as a bed keeps them as they are */
+    const unsigned char *still; /* as nothing is found for them */
+};
+static bool is_idle(const struct idle *idle, int l, int r) {
+    if (idle->part) return idle->part[l] >= BED_FROZEN && idle->part[r] >= BED_FROZEN;
+    return idle->still && idle->still[l] && idle->still[r];
 }
 
-/* Returns the end of the batch of inner faces, of one point each, that begins with `first`: before a run of IDLE faces
- * that are not wanted. *from: its first face, behind those. */
+/* Returns the end of the batch of inner faces that begins with `first`: before a run of IDLE faces between idle cells.
+ * *from: its first face, behind those. */
 static int wanted_end(const struct gas *g, int first, int last, int *from) {
     enum { IDLE = 16 }; /* fewer cost less than a shorter batch */
-    const double *part = g->step.hybrid && !g->limits.flags.blocks[0] ? g->dense->part[0] : NULL;
-    while (part && first < last && is_idle(g, part, first)) first++;
-    const int most = first + BATCH < last ? first + BATCH : last;
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const bool single = g->cells->polyhedra->point.n == f->n, bed = g->step.hybrid && !g->limits.flags.blocks[0];
+    const struct idle idle = {bed && single ? g->dense->part[0] : NULL, bed ? NULL : fit_still(g->cells->fit)};
+    const bool some = idle.part || idle.still;
+    int end, n = 0;
+    while (some && first < last && is_idle(&idle, f->left[first], f->right[first])) first++;
     *from = first;
-    if (!part) return most;
-    for (int end = first, idle = 0; end < most; end++) {
-        idle = is_idle(g, part, end) ? idle + 1 : 0;
-        if (idle == IDLE) return end + 1 - IDLE;
+    if (single && !some) return first + BATCH < last ? first + BATCH : last;
+    for (end = first; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++) {
+        n = some && is_idle(&idle, f->left[end], f->right[end]) ? n + 1 : 0;
+        if (n == IDLE) return end + 1 - IDLE;
     }
-    return most;
+    return end;
 }
 
 /* Faces first <= i < last, in batches; those of flagged cells limited. */
@@ -283,11 +289,11 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
     struct points p;
     for (int end; first < last; first = end) {
         const int patch = first < f->ninternal ? -1 : f->patch[first - f->ninternal];
-        if (patch < 0 && c->polyhedra->point.n == f->n)
+        if (patch < 0)
             end = wanted_end(g, first, last, &first);
         else
             for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
-                if (patch >= 0 && f->patch[end - f->ninternal] != patch) break;
+                if (f->patch[end - f->ninternal] != patch) break;
         if (first == end) continue;
         batch_fluxes(g, first, end, U, &p);
         if (g->limits.flags.blocks[0]) limit_run(g, first, end, U, &p);
@@ -352,13 +358,19 @@ static void update_chunk(struct stage *t, int at) {
                               .to = t->to->block[0] + at,
                               .a = t->a,
                               .dt = t->dt};
+    const bool out = cells_left_out(g, at);
     const double *in[MAX_VAR];
     double *residual[MAX_VAR];
     for (int v = 0; v < g->nvar; v++) {
         residual[v] = residuals[v];
         in[v] = s.from + v * m->size;
-        cells_residuals(c, at, n, c->flux[v], residual[v]);
+        if (out)
+            memset(residual[v], 0, sizeof residuals[v]);
+        else
+            cells_residuals(c, at, n, c->flux[v], residual[v]);
     }
+    if (!out) cells_still(g, at, n, t->dt, s.from, residuals);
+    g->counts.computed += out ? 0 : n;
     if (c->round) cells_round_push(g, at, n, s.from, flag, residual);
     if (g->falling.cells) weigh_row(g, n, in, falls, flag, residual);
     if (c->rest) cells_rest_weigh(g, at, n, falls, flag, residual);
@@ -397,7 +409,6 @@ static long finish_sweep(struct stage *t) {
     update_chunks(t, g->limits.flags.blocks[0] ? 0 : c->sweep.n, c->sweep.n + 1);
     if (g->carried) cells_carry(g);
     if (g->books.tally) cells_tally_stage(g);
-    g->counts.computed += m->nown;
     g->counts.all += m->nown;
     return t->count;
 }
@@ -421,6 +432,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
         cells_rules_note(g, m->ncells, m->ncells + own_mirrors, U);
         cells_rules_look(g, 0, m->ninner);
     }
+    fit_look(c->fit, U, false);
     sweep(&t);
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
@@ -431,6 +443,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
         cells_rules_note(g, m->ncells, m->size, U);
         cells_rules_look(g, m->ninner, m->nnear);
     }
+    fit_look(c->fit, U, true);
     return finish_sweep(&t);
 }
 
@@ -441,6 +454,8 @@ void cells_redo(struct gas *g, const struct state *U0, const struct state *from,
     struct stage t = {g, U0, from, to, (const double *const *)line, a, dt, 0};
     g->limits.faces = 0;
     drop_begin(g);
+    fit_look(g->cells->fit, t.U, false);
+    fit_look(g->cells->fit, t.U, true);
     sweep(&t);
     (void)finish_sweep(&t);
 }

@@ -7,12 +7,6 @@
 #include "libcore/schemes/characteristic.h"
 #include "libcore/schemes/flux_rules.h"
 
-/* All bits are set where the condition holds: as wide as the numbers, such conditions are joined without being turned.
- */
-ALWAYS_INLINE uint64_t is(bool condition) {
-    return -(uint64_t)condition;
-}
-
 struct face_states { /* states at n faces, from one side */
     ALIGNED double rho[BATCH], u[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH] /* c^2, not c */, gruneisen[BATCH];
     double good[BATCH];

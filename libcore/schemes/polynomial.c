@@ -173,6 +173,15 @@ KERNEL static void move_changes(int m, const struct fit *f, int batch, struct ba
     if (m == 3) move_all(3, f, batch, c);
 }
 
+/* Notes the cells whose stencils are uniform: the frame takes no change to 0 but 0. */
+KERNEL static void find_uniform(int nvar, const struct batch *restrict c, unsigned char *restrict uniform) {
+    EACH_LANE {
+        int differs = 0;
+        for (int v = 0; v < nvar; v++) differs |= (c->bounds[v].low[l] != 0) | (c->bounds[v].high[l] != 0);
+        uniform[l] = (unsigned char)!differs;
+    }
+}
+
 /* Computes sum[v][k] = sum_j w[j][k] change[j][v] over n > 0 entries for `part` coefficients. All sums stay in
  * registers, so that weights and changes are read once. gcc makes vectors of such a loop if the one inside ends by
  * `while` and all strides are constants. */
@@ -376,6 +385,7 @@ ALWAYS_INLINE void linear(int dim, int m, const struct fit *f, int batch, const 
     find_changes(f, batch, U, &c);
     find_frame(m, c.own, &c.frame);
     move_changes(m, f, batch, &c);
+    if (f->calm) find_uniform(m + 2, &c, f->calm->uniform + (long)batch * LANES);
     add_members(m, dim, f, batch, a);
     for (int v = 0; v < m + 2; v++) limited_changes(dim, f, batch, v, c.frame.square[v], &c.bounds[v], a[v]);
     finish_cells(m, f, batch, &c, 0);
@@ -611,6 +621,7 @@ ALWAYS_INLINE void cweno3(int dim, int m, struct fit *f, int batch, const double
     find_changes(f, batch, U, &c);
     find_frame(m, c.own, &c.frame);
     move_changes(m, f, batch, &c);
+    if (f->calm) find_uniform(m + 2, &c, f->calm->uniform + (long)batch * LANES);
     find_scales(m, &c, &scales);
     narrow_changes(m, f, batch, &scales);
     add_sectors(dim, m, f, batch);
@@ -651,6 +662,8 @@ void fit_rest(struct fit *f, const double *rho, const double *E, const double *n
     f->rest[0] = rho;
     f->rest[f->nvar - 1] = E;
     f->near = near;
+    calm_free(f->calm);
+    f->calm = NULL;
 }
 
 void fit_keep(struct fit *f, double least, double most) {
@@ -659,8 +672,9 @@ void fit_keep(struct fit *f, double least, double most) {
 }
 
 void fit_cells(struct fit *f, int from, int to, const double *const *U) {
-    if (f->kind->cells && from < to)
-        for (int b = from / LANES; b <= (to - 1) / LANES; b++) f->kind->cells(f, b, U);
+    if (!f->kind->cells || from >= to) return;
+    for (int b = from / LANES; b <= (to - 1) / LANES; b++)
+        if (!calm_batch(f, b, U)) f->kind->cells(f, b, U);
 }
 
 KERNEL static void gather(int n, const int *restrict place, const double *restrict from, double *restrict to) {

@@ -37,7 +37,7 @@ void fit_free(struct fit *f);
 
 /* From now on fits are of the deviation U - w U*: U* is a state at rest, whose rho and E [size] are given, and w = near
  * [nnear], 0 .. 1, the share of each cell. fit_points then returns values without the change of U* within the cell. All
- * arrays are borrowed. */
+ * arrays are borrowed. Uniform cells (fit_watch) are no longer looked for. */
 void fit_rest(struct fit *f, const double *rho, const double *E, const double *near);
 
 /* From now on fits draw a polynomial towards the average of its cell, as a whole, until at all face points rho stays
@@ -49,6 +49,18 @@ void fit_keep(struct fit *f, double least, double most);
  * latter, no cell may be beyond the former). After the last turn the other cells are fitted and all other points
  * read. */
 status fit_turns(struct fit *f, int n, const int *cells, const int *faces);
+
+/* From now on fits note the cells whose stencils are uniform: all members, mirrors included, equal the cell. If `skip`,
+ * batches of cells that fit_look finds to be so cost almost nothing. Not for fits of degree 0. */
+status fit_watch(struct fit *f, bool skip);
+/* Looks for uniform gas in the lines U, which fits see next: first in own cells and their mirrors, then (`all`) in
+ * ghosts and the mirrors beyond them. Cells from ninner on are fitted after the latter alone. */
+void fit_look(struct fit *f, const double *const *U, bool all);
+/* Returns [nnear]: 1 where the last fit of a cell found its stencil uniform; NULL: fits do not note it. */
+const unsigned char *fit_uniform(const struct fit *f);
+/* Returns [nnear]: 1 where fit_look has found the stencils of a cell and of those across its faces (of a ghost: its
+ * own) uniform; it may miss some. NULL: it has found none. */
+const unsigned char *fit_still(const struct fit *f);
 
 /* Fits cells from <= i < to (< nnear) to the lines U[v][size] of the variables. Cells are fitted batch by batch: cells
  * that share a batch with the first or the last one are fitted, too, from whatever U holds, and again when their own

@@ -600,6 +600,7 @@ void fit_free(struct fit *f) {
     struct entries *all[] = {&f->member, &f->halfway, &f->moment, &f->point};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) entries_free(all[i]);
     sectors_free(&f->sector);
+    calm_free(f->calm);
     free(f->change);
     free(f->value);
     free(f->slot);

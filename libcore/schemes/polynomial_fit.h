@@ -11,6 +11,7 @@
 
 /* VECTOR lanes and PART coefficients are summed at a time: MAX_VAR times these, in vectors, fit the registers. */
 enum { LANES = 32, VECTOR = 8, MAX_QUADRATIC = POLYHEDRA_MOMENTS };
+enum { LABELS = 4 }; /* states that cells are compared with */
 
 #define PART(coefficients) ((coefficients) > 5 ? 3 : (coefficients))
 
@@ -34,6 +35,14 @@ struct sectors {
     float *gradient; /* [sectors][nvar][dim][LANES] of one batch */
     float *weight;   /* [sectors][LANES] of one batch: smoothness, then nonlinear weights */
 };
+struct calm {               /* libcore/schemes/polynomial_calm.c */
+    unsigned char *uniform; /* [nbatches LANES] of the last fit of a cell */
+    /* NULL where no work is spared; [size] which of `state` a cell, ghost or mirror is, VARIED: none */
+    unsigned char *label;
+    unsigned char *known, *still; /* [nbatches LANES] is the stencil uniform; also of the cells across the faces? */
+    int n;                        /* states; 0: known and still are not valid */
+    double state[LABELS + 1][MAX_VAR]; /* one more for a candidate */
+};
 struct fit {
     const struct polyhedra *polyhedra; /* borrowed */
     const struct polynomial *kind;
@@ -51,6 +60,7 @@ struct fit {
     int *slot;              /* [nbatches] */
     double *held;           /* of fit_hold: the values of a batch; NULL */
     const double *rest[MAX_VAR], *near; /* of fit_rest, or NULL */
+    struct calm *calm;                  /* of fit_watch, or NULL */
     double least, most;                 /* of fit_keep; most 0: no density is kept in between */
     int *place[2]; /* [points] where a face point's value in the left and in the right cell stands */
 };
@@ -59,5 +69,10 @@ struct fit {
  * faces, or to the whole stencil where these do not span the axes. The caller frees them by entries_free. */
 status fit_gradients(const struct fit *f, struct entries *r);
 void entries_free(struct entries *r);
+
+/* Are the stencils of all cells of a batch known to be uniform? Then does what its fit would do: their polynomials are
+ * constants. */
+bool calm_batch(const struct fit *f, int batch, const double *const *U);
+void calm_free(struct calm *c);
 
 #endif

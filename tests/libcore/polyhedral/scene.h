@@ -29,7 +29,8 @@ static inline void open_scene(struct scene *s, const struct cells_recipe *r, con
         .flux = flux_find(flux),
         .flux_params = own_defaults(&flux_find(flux)->model),
         .polynomial = polynomial_find(polynomial),
-        .stepper = stepper_find("SSPRK3")};
+        .stepper = stepper_find("SSPRK3"),
+        .skip_uniform = true};
     for (int p = 0; p < 6; p++) {
         s->rules[p] = (struct patch_rules){.density = {.type = NULL}};
         s->rules[p].density.type = s->rules[p].temperature.type = boundary_find("zeroGradient");
