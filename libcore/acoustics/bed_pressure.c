@@ -201,9 +201,9 @@ static void receive_one(void *bed, double *line) {
     bed_fill_receive(bed, 1, &line);
 }
 
-/* Returns s = dp/p of a cell by that of Newton's method, e. slack of the diagonal is the cell's own compression, with a
- * volume that is all but linear in 1/p, not in p; the rest, `across` of the diagonal, are faces, which are linear. The
- * change of volume that Newton's method wants is e = across s + (1 - across) s/(1 + s), if cells around do likewise. */
+/* Returns s = dp/p of a cell, by e = dp/p of Newton's method, which takes the volume of a cell to be linear in p. It is
+ * nearly linear in 1/p; linear are the velocities of the faces, the part `across` of the diagonal. So s solves
+ * e = across s + (1 - across) s/(1 + s). */
 ALWAYS_INLINE double bend(double e, double across) {
     const double half = 0.5 * (1 - e);
     return e / (half + sqrt(larger(half * half + across * e, 0)));
@@ -235,50 +235,26 @@ static double reduction_at(double worst) {
     return worst > CLOSE ? SHARE * smaller(larger(worst, CLOSE / worst), 1) : AT_REST;
 }
 
-/* The linear system of the cells, with the present weights and diagonal. */
-static struct multigrid_rows system_of(struct bed *b) {
+/* Solves the linear system of an iteration of Newton's method, which begins at the residual `worst`. again: it is not
+ * the first of the step. The first makes the multigrid's aggregates anew, as the first step of a restart must do, which
+ * shall have the same bits. */
+static status solve(struct bed *b, bool again, double worst, bool *sound) {
     const struct bed_lines *x = b->lines;
-    return (struct multigrid_rows){.blocks = b->set.blocks,
-                                   .first = b->set.first,
-                                   .number = b->set.number,
-                                   .rows = b->set.cells,
-                                   .ghosts = b->set.ghosts,
-                                   .link_first = x->link_first,
-                                   .link = x->link,
-                                   .weight = x->weight,
-                                   .diagonal = x->diagonal,
-                                   .send = send_one,
-                                   .receive = receive_one,
-                                   .context = b};
-}
-
-/* Makes the multigrid's aggregates for gas of one density and little of its own compression. So they follow from the
- * cells of the bed alone: they hold until these change, and a restart makes the same ones, so that it keeps its bits.
- */
-static status lay(struct bed *b) {
-    const struct bed_lines *x = b->lines;
-    const struct bed_shapes *h = b->set.shapes;
-    if (b->stage == BED_LAID) return OK;
-    for (int f = 0; f < b->set.faces; f++)
-        x->give[f] = 1 / (h->depth[0][b->set.shape[f]] + h->depth[1][b->set.shape[f]]);
-    find_weights(b, 1);
-    for (int i = 0; i < b->set.cells; i++) {
-        double sum = 0;
-        for (int k = x->link_first[i]; k < x->link_first[i + 1]; k++) sum += x->weight[k];
-        x->diagonal[i] = sum > 0 ? (1 + 1e-6) * sum : 1;
-    }
-    const struct multigrid_rows rows = system_of(b);
-    TRY(multigrid_setup(b->multigrid, &rows, false));
-    b->stage = BED_LAID;
-    return OK;
-}
-
-/* Solves the linear system of one iteration of Newton's method, which begins at the residual `worst`. */
-static status solve(struct bed *b, double worst, bool *sound) {
-    const struct bed_lines *x = b->lines;
-    const struct multigrid_rows rows = system_of(b);
     int iterations = 0;
-    TRY(multigrid_setup(b->multigrid, &rows, true));
+    const struct multigrid_rows rows = {.blocks = b->set.blocks,
+                                        .first = b->set.first,
+                                        .number = b->set.number,
+                                        .rows = b->set.cells,
+                                        .ghosts = b->set.ghosts,
+                                        .link_first = x->link_first,
+                                        .link = x->link,
+                                        .weight = x->weight,
+                                        .diagonal = x->diagonal,
+                                        .send = send_one,
+                                        .receive = receive_one,
+                                        .context = b};
+    TRY(multigrid_setup(b->multigrid, &rows, again || (b->stage == BED_LAID && multigrid_is_direct(b->multigrid))));
+    b->stage = BED_LAID;
     TRY(multigrid_solve(b->multigrid, &rows, x->residual, reduction_at(worst), LINEAR_MOST, x->change, &iterations));
     b->linear += iterations;
     *sound = move_pressure(b);
@@ -290,13 +266,12 @@ static status solve(struct bed *b, double worst, bool *sound) {
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool again, bool *done) {
     bool sound = true;
     b->newton = b->linear = 0;
-    TRY(lay(b));
     find_drift(b, dt, gravity);
     find_weights(b, dt);
     if (!again) guess_pressure(b);
     double worst = check_pressure(b, dt, &sound);
     while ((b->newton == 0 || !(worst < CLOSE)) && sound && b->newton++ < NEWTON_MOST) {
-        TRY(solve(b, worst, &sound));
+        TRY(solve(b, b->newton > 1, worst, &sound));
         worst = check_pressure(b, dt, &sound);
     }
     *done = worst < CLOSE && sound;

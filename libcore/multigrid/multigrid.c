@@ -230,6 +230,10 @@ static int solve_directly(struct multigrid *m, const double *b, double *x) {
     return largest > 0;
 }
 
+bool multigrid_is_direct(const struct multigrid *m) {
+    return m->spread == 0;
+}
+
 status multigrid_solve(struct multigrid *m, const struct multigrid_rows *rows, const double *b, double reduction,
                        int most, double *x, int *iterations) {
     if (m->spread == 0) {

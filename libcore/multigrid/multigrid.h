@@ -34,9 +34,12 @@ void multigrid_free(struct multigrid *m);
 
 /* Prepares for a matrix. `same_links`: only weight and diagonal have changed since the last call, on every rank; then
  * the aggregates stay, which is cheaper, and good while the weights have not changed much. The last bits of a
- * result then depend on an earlier matrix. If a restart must have the same bits, it must be able to make the same
- * aggregates: of a matrix that it knows. Collective. Fails with ERR_SYSTEM, on all ranks, if there is no memory. */
+ * result then depend on an earlier matrix. Pass false at the start of each step if a restart must have the same bits.
+ * Collective. Fails with ERR_SYSTEM, on all ranks, if there is no memory. */
 status multigrid_setup(struct multigrid *m, const struct multigrid_rows *rows, bool same_links);
+
+/* Does the last set-up solve directly? Then a set-up with the same links has the bits of a new one. */
+bool multigrid_is_direct(const struct multigrid *m);
 
 /* Solves A x = b for the matrix of the last set-up from x = 0, until sqrt(r' r/d) has fallen by `reduction`; x[rows]
  * and b[rows]. *iterations: those that were made, at most `most`; 1 for a direct solution, 0 if b = 0. Less than

@@ -192,16 +192,22 @@ static double alike_of(double a, double b) {
     return smaller(larger((ratio - UNLIKE) / (ALIKE - UNLIKE), 0), 1);
 }
 
+/* Finds how alike the two cells of n faces are. */
+KERNEL static void cells_alike(int n, const int *restrict left, const int *restrict right, const double *restrict rho,
+                               const double *restrict T, double *restrict out) {
+    for (int i = 0; i < n; i++)
+        out[i] = smaller(alike_of(T[left[i]], T[right[i]]), alike_of(rho[left[i]], rho[right[i]]));
+}
+
 /* The gradient of T in a cold cell beside hot gas is that of the jump between them, but across its other faces all is
  * cold. There a flux by the gradient would take heat from cells that have none. */
 void cells_find_keep(struct gas *g, const double *rho, const double *T, double *alike, double *keep) {
     struct polyhedra *m = g->cells->polyhedra;
+    cells_alike(m->face.n, m->face.left, m->face.right, rho, T, keep);
     for (int i = 0; i < m->nown; i++) {
         alike[i] = 1;
-        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++) {
-            const int other = cells_across(m, j);
-            alike[i] = smaller(alike[i], smaller(alike_of(T[i], T[other]), alike_of(rho[i], rho[other])));
-        }
+        for (int j = m->face_start[i]; j < m->face_start[i + 1]; j++)
+            alike[i] = smaller(alike[i], keep[m->face_of_cell[j] < 0 ? ~m->face_of_cell[j] : m->face_of_cell[j]]);
     }
     polyhedra_fill_start(m, 1, &alike);
     polyhedra_fill_finish(m);
