@@ -6,14 +6,17 @@ build/check/variants. The table below gives processor seconds of Allrun, figure 
 again only if the programs or its files have changed since; one that was stopped goes on from its last time. A value that is not the
 one written down as `measured` in expected.json is pointed at; -record writes all down. Exit code 1: a value is outside its tolerance
 or missing, or a case did not run to its end."""
+import fcntl
 import hashlib
 import json
+import multiprocessing
 import os
 import re
 import shutil
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from haff import command
 from haff.paths import TOP
@@ -89,7 +92,12 @@ class Copy:
         return digest.hexdigest()
 
     def make(self):
-        """The case anew, and links to whatever else its scripts look for."""
+        """The case anew, and links to whatever else its scripts look for; one case at a time, for they link each other."""
+        with open(os.path.join(self.root, "lock"), "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.put()
+
+    def put(self):
         for link in [".ci", "postprocessing", "build/bin", "tests/oracles"] + [f"cases/{n}" for n in names() if n != self.case]:
             at = os.path.join(self.root, link)
             os.makedirs(os.path.dirname(at), exist_ok=True)
@@ -214,9 +222,55 @@ def verdict(copy, entry, value, right):
     return f"ok, but {format(entry['measured'], '.6g') if 'measured' in entry else 'nothing'} is written down (-record)"
 
 
-def check(copy, record=False):
-    """Runs a case or variant and prints its rows; returns whether all is well."""
-    trouble = copy.run()
+def families(chosen):
+    """Lists of those that run one after the other, for they share files: a case, its variants that change nothing, and the cases
+    whose files it takes."""
+    found = []
+    for copy in chosen:
+        needed = {copy.path} if isinstance(copy, Variant) else {*sources(copy.case)}
+        same = [family for family in found if family[0] & needed]
+        found = [family for family in found if family not in same]
+        found.append((needed.union(*(f[0] for f in same)), [c for f in same for c in f[1]] + [copy]))
+    return [copies for needed, copies in found]
+
+
+def run_family(copies):
+    """Runs them in a process of its own, whose children are theirs alone; returns what went wrong with each, and its state."""
+    fork = multiprocessing.get_context("fork")
+    get, put = fork.Pipe(duplex=False)
+
+    def work():
+        try:
+            put.send([(copy.run(), copy.state) for copy in copies])
+        except KeyboardInterrupt:
+            put.send(KeyboardInterrupt())
+        except Exception as error:
+            put.send(error)
+
+    worker = fork.Process(target=work, daemon=True)
+    worker.start()
+    put.close()
+    found = get.recv()
+    worker.join()
+    if isinstance(found, BaseException):
+        raise found
+    return found
+
+
+def run_each(chosen, jobs):
+    """Runs all, `jobs` families at once; yields each with what went wrong, in the order in which they were started."""
+    with ThreadPoolExecutor(jobs) as pool:
+        started = [(copies, pool.submit(run_family, copies)) for copies in families(chosen)]
+        try:
+            for copies, future in started:
+                for copy, (trouble, copy.state) in zip(copies, future.result()):
+                    yield copy, trouble
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def check(copy, trouble, record=False):
+    """Prints the rows of a case or variant that has run; returns whether all is well."""
     good, values = not trouble, []
     if trouble:
         show(copy.name, trouble, "", "", "", "FAILED")
@@ -250,6 +304,7 @@ def main():
     parser.add_argument("-within", type=float, metavar="SECONDS", default=float("inf"), help="only cases that cost no more than that")
     parser.add_argument("-record", action="store_true", help="writes what was measured into expected.json; then run docs/makeTables and docs/makeValidation")
     parser.add_argument("-np", type=int, default=1, metavar="N", help="on N ranks")
+    parser.add_argument("-jobs", type=int, default=0, metavar="N", help="N cases at once; by default one for each core, or each NP cores")
     parser.add_argument("-scratch", metavar="FOLDER", default=os.path.join(TOP, "build", "check"), help="instead of build/check")
     options = parser.parse_args()
     known = copies_in(os.path.abspath(options.scratch))
@@ -265,8 +320,8 @@ def main():
     show("case", "quantity", "measured", "expected", "tolerance", "")
     bad, done, began = [], [], time.time()
     try:
-        for copy in chosen:
-            if not check(copy, options.record):
+        for copy, trouble in run_each(chosen, options.jobs or max(1, len(os.sched_getaffinity(0)) // options.np)):
+            if not check(copy, trouble, options.record):
                 bad.append(copy.name)
             done.append(copy)
     except KeyboardInterrupt:

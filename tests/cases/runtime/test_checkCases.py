@@ -11,6 +11,7 @@ from tests.cases import harness
 from tests.cases.harness import expected
 
 from studies import faradayRows
+from studies.checks import checkCases
 
 
 class CheckCases(harness.Folder, unittest.TestCase):
@@ -112,6 +113,14 @@ class CheckCases(harness.Folder, unittest.TestCase):
         expected.save(self.case, {**known, "variants": [made]})
         shutil.rmtree(copy)
         self.assertIn("the run reached its end, and did not stop with 2", self.check("sod/N=40", code=1))
+
+    def test_families(self):
+        """Cases that take files of each other run one after the other, all others at once; none is left out."""
+        known = checkCases.copies_in(os.path.join(self.folder, "nothing"))
+        families = [{copy.name for copy in copies} for copies in checkCases.families(known)]
+        self.assertEqual(sorted(name for family in families for name in family), sorted(copy.name for copy in known))
+        self.assertEqual([{"wedge", "wedgeDense", "segregationWedge"} <= family for family in families].count(True), 1)
+        self.assertIn({"columnCollapse"}, families)
 
     def test_expected(self):
         """haff expected CASE: a line a value, exit code 1 if one is off."""
