@@ -65,14 +65,14 @@ def refused(test, case, place, cure):
     test.assertIn(cure, done.stderr)
 
 
-PEAK = "import os, resource, subprocess, sys; subprocess.run(sys.argv[2:], stdout=subprocess.DEVNULL, check=True); " \
-       "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=open(f'{sys.argv[1]}/{os.getpid()}', 'w'))"
+PEAK = "import os, sys; pid = os.posix_spawn(sys.argv[2], sys.argv[2:], os.environ, file_actions=[(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]); " \
+       "_, state, used = os.wait4(pid, 0); print(used.ru_maxrss, file=open(f'{sys.argv[1]}/{os.getpid()}', 'w')); sys.exit(state != 0)"
 
 
 def peak(name, *arguments, ranks):
     """Bytes of memory of the rank that takes most. Each rank writes a file of its own: mpirun may join their lines."""
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([os.path.join(BIN, "mpirun"), "-np", str(ranks), sys.executable, "-c", PEAK, folder, os.path.join(BIN, name), *arguments],
+        subprocess.run([os.path.join(BIN, "mpirun"), "-np", str(ranks), sys.executable, "-I", "-S", "-c", PEAK, folder, os.path.join(BIN, name), *arguments],
                        check=True, capture_output=True)
         found = [int(open(os.path.join(folder, file)).read()) for file in os.listdir(folder)]
     assert len(found) == ranks, found

@@ -129,7 +129,7 @@ class CheckCases(harness.Folder, unittest.TestCase):
         harness.run(case)
 
         def ask():
-            done = subprocess.run(["/usr/bin/python3", "-m", "haff", "expected", case], capture_output=True, text=True)
+            done = harness.command("expected", case)
             return done.returncode, done.stdout
         code, said = ask()
         self.assertEqual((code, said.count("ok  ")), (0, 2), said)

@@ -65,7 +65,7 @@ class Image(harness.Folder, unittest.TestCase):
             self.assertEqual(self.pictures(path), sorted(["0.U.x.png", *(f"{t}.{f}.png" for t in runs.times(path)[1:] for f in fields)]))
             for field in fields[:-1]:
                 own = self.path("own.png")
-                harness.program("haffPlot", path, field, "-time", "0.001", "-size", "400x300", "-contours", "3", "-o", own)
+                harness.command("Plot", path, field, "-time", "0.001", "-size", "400x300", "-contours", "3", "-o", own)
                 with open(own, "rb") as one, open(os.path.join(path, "postProcessing", "pictures", f"0.001.{field}.png"), "rb") as other:
                     self.assertEqual(one.read(), other.read(), field)
             self.assertEqual(sorted(os.listdir(os.path.join(path, "postProcessing"))), ["pictures", "run"])

@@ -168,7 +168,7 @@ class Copies(harness.Folder, unittest.TestCase):
 
     def test_command(self):
         """haff run prints the folder; its errors are one text and the exit code of the program."""
-        go = lambda *words: subprocess.run([sys.executable, "-m", "haff", "run", self.case, *words], capture_output=True, text=True)
+        go = lambda *words: harness.command("run", self.case, *words)
         done = go(PROPERTIES + ":grain/restitution=0.8")
         self.assertEqual((done.returncode, os.path.abspath(done.stdout.strip())), (0, self.case + "-restitution=0.8"), done.stderr)
         wrong = go(PROPERTIES + ":grain/restitution=8")

@@ -17,12 +17,11 @@ from haff.case.geometry import Geometry
 from studies.made import rhocentral, twin
 from studies.measured import comparison
 
-TOOL = [sys.executable, "-m", "haff", "crossCheck"]
 needs_foam = unittest.skipUnless(rhocentral.installed(), f"{rhocentral.MISSING}: no comparison")
 
 
 def tool(*arguments):
-    return subprocess.run([*TOOL, "--bin", harness.BIN, *arguments], capture_output=True, text=True, timeout=600)
+    return harness.command("crossCheck", "--bin", harness.BIN, *arguments)
 
 
 def rows(path):
@@ -80,7 +79,7 @@ class Blocks(harness.Folder, unittest.TestCase):
     def test_fresh_from_openfoam(self):
         """A converted case whose mesh is system/blockMeshDict, which has no constant/polyMesh: blockMesh makes it for both. Of other grids it has none."""
         case = os.path.join(self.folder, "tube")
-        done = subprocess.run([sys.executable, "-m", "haff", "fromOpenFOAM", foam.tube(self.folder), case], capture_output=True, text=True)
+        done = harness.command("fromOpenFOAM", foam.tube(self.folder), case)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertFalse(os.path.exists(os.path.join(case, "constant", "polyMesh")))
         done = tool(case, "--out", os.path.join(self.folder, "out"))
@@ -219,7 +218,7 @@ class Arguments(harness.Folder, unittest.TestCase):
 
     def test_without_openfoam(self):
         """Skipped, with a line that says what is missing."""
-        done = subprocess.run([*TOOL, "sod", "--bin", harness.BIN, "--out", self.folder], capture_output=True, text=True,
+        done = subprocess.run([sys.executable, "-m", "haff", "crossCheck", "sod", "--bin", harness.BIN, "--out", self.folder], capture_output=True, text=True,
                               env={"PATH": "/nowhere", "PYTHONPATH": os.environ["PYTHONPATH"]})
         self.assertEqual(done.returncode, 77)
         self.assertIn("rhoCentralFoam (package openfoam) is not installed", done.stdout + done.stderr)

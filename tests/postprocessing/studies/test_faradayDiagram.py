@@ -4,12 +4,13 @@ import csv
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
 
 import numpy as np
+
+from tests.cases import harness
 
 import haff
 from studies import faradayDiagram, faradayOnset, faradayRows
@@ -71,9 +72,9 @@ class Driver(unittest.TestCase):
         shutil.rmtree(self.folder)
 
     def sweep(self):
-        command = [sys.executable, "-m", "haff", "faradayDiagram", os.path.join(self.template, "out"), "-rows", "7",
+        command = ["faradayDiagram", os.path.join(self.template, "out"), "-rows", "7",
                    "-cycles", "4", "-last", "3", "-jobs", "1", "-keep", "-template", self.template, "-note", "test"]
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = harness.command(*command)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         with open(os.path.join(self.template, "out", "faradayDiagram.csv")) as f:
             return done.stdout, list(csv.DictReader(f))
@@ -115,10 +116,10 @@ class Onset(unittest.TestCase):
     def test_driver(self):
         """A wave high above the onset grows and turns over; its run stands in the table and is not done again."""
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
-            command = [sys.executable, "-m", "haff", "faradayOnset", folder, "-gamma", "2.75", "-A", "5.57",
+            command = ["faradayOnset", folder, "-gamma", "2.75", "-A", "5.57",
                        "-waves", "38", "-cycles", "7", "-settle", "4", "-jobs", "1"]
             for n in range(2):
-                done = subprocess.run(command, capture_output=True, text=True)
+                done = harness.command(*command)
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             self.assertNotIn("1/1", done.stdout)
             rows = faradayOnset.table(folder)

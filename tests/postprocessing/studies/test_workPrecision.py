@@ -3,18 +3,15 @@
 import csv
 import os
 import shutil
-import subprocess
 import unittest
 
 import numpy as np
 
 from tests.cases import harness
 
-TOOL = ["/usr/bin/python3", "-m", "haff", "workPrecision"]
-
 
 def tool(*arguments):
-    return subprocess.run([*TOOL, "--bin", harness.BIN, *arguments], capture_output=True, text=True, timeout=600)
+    return harness.command("workPrecision", "--bin", harness.BIN, *arguments)
 
 
 class Quick(harness.Folder, unittest.TestCase):
