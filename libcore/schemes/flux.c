@@ -219,25 +219,21 @@ KERNEL static void take_marked(int n, const double *restrict mark, const double 
     for (int i = 0; i < n; i++) out[i] = mark[i] > 0 ? q[i] : out[i];
 }
 
-/* Smooth faces take the linear flux, and runs of groups that hold others the nonlinear one, too. */
+/* Runs that hold rough faces take the nonlinear flux, and smooth faces the linear one. */
 static void hybrid(const struct faces *f, const struct eos *eos, const struct material *m,
                    const struct reconstruct *r) {
-    static const struct winds both_ways = {{{0}}};
-    double rough[BATCH], out[MAX_VAR][BATCH];
+    double rough[BATCH];
     struct face_span s = {0, 0};
-    struct bases b;
-    if (smooth_find(f, rough) == f->n) {
+    const int count = smooth_find(f, rough);
+    if (count == f->n) {
         nonlinear(f, eos, m, r);
         return;
     }
-    common_bases(f, &both_ways, &b);
-    smooth_through(f, &b);
-    while (smooth_ends(f->n, rough, &s)) {
-        struct faces part = faces_of_span(f, s);
-        for (int v = 0; v < f->dim + 2; v++) part.out[v] = out[v];
+    while (count > 0 && smooth_ends(f->n, rough, &s)) {
+        const struct faces part = faces_of_span(f, s);
         nonlinear(&part, eos, m, r);
-        for (int v = 0; v < f->dim + 2; v++) take_marked(part.n, rough + s.from, out[v], f->out[v] + s.from);
     }
+    smooth_through(f, rough);
 }
 
 static void common(const struct faces *f, const struct eos *eos, const struct material *m,

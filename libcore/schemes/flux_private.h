@@ -76,10 +76,10 @@ struct faces faces_of_span(const struct faces *f, struct face_span s);
 
 /* Marks the faces that are not smooth (1, else 0); returns how many they are, f->n if there are no others. */
 int smooth_find(const struct faces *f, double *rough);
-/* Makes s the next run of groups that hold rough faces, from s->to on; returns whether there is one. */
+/* Makes s the next run of whole vectors that holds rough faces, from s->to on; returns whether there is one. */
 bool smooth_ends(int n, const double *rough, struct face_span *s);
-/* Computes the fluxes of all faces by the linear scheme of fifth order; b: the common bases, of both cells. */
-void smooth_through(const struct faces *f, const struct bases *b);
+/* Computes the fluxes of all faces but the rough ones by the linear scheme of fifth order. */
+void smooth_through(const struct faces *f, const double *rough);
 
 /* ---- centred fluxes (flux_force.c) ---- */
 
