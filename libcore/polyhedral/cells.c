@@ -155,9 +155,10 @@ void cells_primitives(const struct gas *g, int n, const double *U, struct cells_
 }
 
 /* rate = sum_k |u_k| girth_k + c total_girth, which is no less than the sum over the faces of (|u_n| + c) A / (2 V),
- * and on boxes the rate of the lattice; fast = |u| + c, with the components of u along axes of the mesh */
-KERNEL static void rate_line(int n, int dim, const struct cells_primitives *q, double *const girth[MAX_DIM],
-                             const double *restrict total, double *restrict rate, double *restrict fast) {
+ * and on boxes the rate of the lattice; fast = |u| + c, with all components of u, as a mesh with these axes has it */
+KERNEL static void rate_line(int n, int dim, int components, const struct cells_primitives *q,
+                             double *const girth[MAX_DIM], const double *restrict total, double *restrict rate,
+                             double *restrict fast) {
     for (int i = 0; i < n; i++) {
         rate[i] = q->c[i] * total[i];
         fast[i] = 0;
@@ -169,6 +170,8 @@ KERNEL static void rate_line(int n, int dim, const struct cells_primitives *q, d
             fast[i] = fma(u[i], u[i], fast[i]);
         }
     }
+    for (int k = dim; k < components; k++)
+        for (int i = 0; i < n; i++) fast[i] = fma(q->velocity[k][i], q->velocity[k][i], fast[i]);
     for (int i = 0; i < n; i++) fast[i] = sqrt(fast[i]) + q->c[i];
 }
 
@@ -178,7 +181,7 @@ static void rate_batch(const struct gas *g, const struct state *s, int from, int
     double *girth[MAX_DIM];
     for (int k = 0; k < g->dim; k++) girth[k] = c->girth[k] + from;
     cells_primitives(g, n, s->block[0] + from, q);
-    rate_line(n, g->dim, q, girth, c->total_girth + from, rate, fast);
+    rate_line(n, g->dim, g->components, q, girth, c->total_girth + from, rate, fast);
 }
 
 void cells_rates(const struct gas *g, const struct state *s, int from, int n, double *rate, double *fast) {

@@ -139,6 +139,8 @@ void cells_sides_sum(const struct cells *c, int from, const double (*weight)[BAT
 /* After the round body and the sides of chunks. */
 status cells_still_make(struct gas *g);
 void cells_still_free(struct cells_still *s);
+/* Looks for uniform cells of a stage's state, as fit_look. */
+void cells_still_look(struct gas *g, const double *const *U, bool all);
 /* Is it known before any work is done that the chunk that begins at a cell is uniform, and stays so but for sources? */
 bool cells_left_out(const struct gas *g, int at);
 /* Clears those residuals of n <= BATCH cells, whose variables lie g->size apart from U on, that are nothing but

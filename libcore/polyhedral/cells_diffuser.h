@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of diffusion on polyhedra: what libcore/polyhedral/cells_diffusion.c, cells_terms.c and cells_implicit.c
- * share. */
+/* Inside of diffusion on polyhedra: what libcore/polyhedral/cells_diffusion.c and cells_terms.c share. */
 #ifndef LIBCORE_CELLS_DIFFUSER_H
 #define LIBCORE_CELLS_DIFFUSER_H
 

@@ -432,7 +432,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
         cells_rules_note(g, m->ncells, m->ncells + own_mirrors, U);
         cells_rules_look(g, 0, m->ninner);
     }
-    fit_look(c->fit, U, false);
+    cells_still_look(g, U, false);
     sweep(&t);
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
@@ -443,7 +443,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
         cells_rules_note(g, m->ncells, m->size, U);
         cells_rules_look(g, m->ninner, m->nnear);
     }
-    fit_look(c->fit, U, true);
+    cells_still_look(g, U, true);
     return finish_sweep(&t);
 }
 
@@ -454,8 +454,8 @@ void cells_redo(struct gas *g, const struct state *U0, const struct state *from,
     struct stage t = {g, U0, from, to, (const double *const *)line, a, dt, 0};
     g->limits.faces = 0;
     drop_begin(g);
-    fit_look(g->cells->fit, t.U, false);
-    fit_look(g->cells->fit, t.U, true);
+    cells_still_look(g, t.U, false);
+    cells_still_look(g, t.U, true);
     sweep(&t);
     (void)finish_sweep(&t);
 }

@@ -17,10 +17,10 @@ struct cells_still {
                            * uniform there (mirrors: the stencil has them, no face) lead to the cell itself */
 };
 
-/* Uniform gas of round bodies is pushed along the radius; transport and beds have fluxes of their own, and patches that
- * feed give mass, not a state. Gravity is a source. Local steps have one fit for many updates. */
+/* Uniform gas of round bodies is pushed along the radius; transport has fluxes of its own, as beds have (is_on);
+ * patches that feed give mass, not a state. Gravity is a source. Local steps have one fit for many updates. */
 static bool is_wanted(const struct gas *g) {
-    return !g->models.transport && !needs_shear_rate(&g->models) && !g->cells->round && !g->dense && !g->patches.fed &&
+    return !g->models.transport && !needs_shear_rate(&g->models) && !g->cells->round && !g->patches.fed &&
            !g->models.stepper->local && g->models.polynomial->degree > 0;
 }
 
@@ -42,6 +42,15 @@ status cells_still_make(struct gas *g) {
     return OK;
 }
 
+/* Steps with a bed are left alone; all others have the same bits, whether a bed is looked for or not. */
+static bool is_on(const struct gas *g) {
+    return g->cells->still && !g->cells->rest && !g->step.hybrid;
+}
+
+void cells_still_look(struct gas *g, const double *const *U, bool all) {
+    fit_look(g->cells->fit, is_on(g) ? U : NULL, all);
+}
+
 void cells_still_free(struct cells_still *s) {
     if (!s) return;
     free(s->across);
@@ -51,7 +60,7 @@ void cells_still_free(struct cells_still *s) {
 bool cells_left_out(const struct gas *g, int at) {
     const struct cells *c = g->cells;
     const int left = c->polyhedra->nown - at;
-    const unsigned char *still = c->still && !c->rest ? fit_still(c->fit) : NULL;
+    const unsigned char *still = is_on(g) ? fit_still(c->fit) : NULL;
     return still && !memchr(still + at, 0, (size_t)(left < BATCH ? left : BATCH));
 }
 
@@ -87,7 +96,7 @@ void cells_still(const struct gas *g, int at, int n, double dt, const double *U,
     const int *start = c->sides.start + at / BATCH;
     const unsigned char *uniform = fit_uniform(c->fit);
     ALIGNED uint64_t still[BATCH];
-    if (!c->still || c->rest) return;
+    if (!is_on(g)) return;
     find_minute(n, g->components, g->size, dt, U, (const double(*)[BATCH])residual, still);
     if (memchr(uniform + at, 1, (size_t)n))
         add_uniform(start[1] - start[0], n, uniform + at, uniform, (const int(*)[BATCH])c->still->across + start[0],

@@ -54,7 +54,7 @@ status fit_turns(struct fit *f, int n, const int *cells, const int *faces);
  * batches of cells that fit_look finds to be so cost almost nothing. Not for fits of degree 0. */
 status fit_watch(struct fit *f, bool skip);
 /* Looks for uniform gas in the lines U, which fits see next: first in own cells and their mirrors, then (`all`) in
- * ghosts and the mirrors beyond them. Cells from ninner on are fitted after the latter alone. */
+ * ghosts and the mirrors beyond them. Cells from ninner on are fitted after the latter alone. U NULL: finds none. */
 void fit_look(struct fit *f, const double *const *U, bool all);
 /* Returns [nnear]: 1 where the last fit of a cell found its stencil uniform; NULL: fits do not note it. */
 const unsigned char *fit_uniform(const struct fit *f);

@@ -105,7 +105,7 @@ void fit_look(struct fit *f, const double *const *U, bool all) {
     struct calm *c = f->calm;
     if (!c || !c->label) return;
     if (!all) {
-        c->n = find_states(f, U, c->state);
+        c->n = U ? find_states(f, U, c->state) : 0;
         if (c->n == 0) return;
         label_cells(f, U, 0, m->nown);
         label_cells(f, U, m->ncells, mirrors);

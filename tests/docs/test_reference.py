@@ -252,8 +252,8 @@ ALSO = {("0.orig/alpha", "rotatingWallVelocity"): {"constant/granularProperties"
 ANEW = ("percolation", "diffusivity", "contact")
 PLAIN = ("gas", "grains", "softGrains")  # examples that have a plain form
 # Of whole entries: words that a program knows and that no case of docs/examples can have. It refuses them with the reason; two closures
-# want a line whose last cells are half as wide, as in cases/kink.
-REFUSED = {("granularMD", "zeroGradient"), ("granularMD", "energyBudget"), ("granularDEM", "energyBudget"), ("granularSegregation", "energyBudget"),
+# want a line whose last cells are half as wide, as in cases/kink. Local time steps are those of polyhedra (cases/sphere3D).
+REFUSED = {("granularGas", "local"), ("granularMD", "zeroGradient"), ("granularMD", "energyBudget"), ("granularDEM", "energyBudget"), ("granularSegregation", "energyBudget"),
            ("granularSegregation", "symmetry"), ("granularSegregation", "symmetryPlane"),
            ("granularSegregation", "paper"), ("granularSegregation", "neumann")}
 FIELD = {"granularGas": "rho", "granularMD": "rho", "granularDEM": "rho", "granularSegregation": "phi", "gmshToCase": ""}

@@ -350,13 +350,18 @@ def answers(folder, kinds, seed=1):
         yield outcome
 
 
-def runs_on(pid):
-    """Is the process there, and no zombie?"""
-    try:
-        with open(f"/proc/{pid}/stat") as f:
-            return f.read().rpartition(") ")[2][0] not in "ZX"
-    except OSError:
-        return False
+def runs_on(pid, within=20):
+    """Is the process still there after so many seconds, and no zombie? One that was killed may take a while to die on a busy machine."""
+    end = time.monotonic() + within
+    while time.monotonic() < end:
+        try:
+            with open(f"/proc/{pid}/stat") as f:
+                if f.read().rpartition(") ")[2][0] in "ZX":
+                    return False
+        except OSError:
+            return False
+        time.sleep(0.02)
+    return True
 
 
 def child_stops(folder):
