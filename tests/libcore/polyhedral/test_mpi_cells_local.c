@@ -204,6 +204,52 @@ static void tally_knows_what_left(void **state) {
     }
 }
 
+/* ---- what it is not there for ---- */
+
+static void expect_refused(const struct scene *s, const char *what) {
+    struct gas *none;
+    status failed = s->forest ? gas_make(s->forest, &s->models, 6, s->rules, &none)
+                              : gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &none);
+    assert_non_null(failed);
+    assert_non_null(strstr(status_text(failed), what));
+    status_free(failed);
+}
+
+/* A gas that local steps would advance wrongly, or not at all, is not made. */
+static void other_models_are_refused(void **state) {
+    (void)state;
+    const int n[3] = {4, 4, 1};
+    const double length[3] = {1, 1, 1};
+    const struct cells_recipe r = {"boxes", 2, BOXES, {4, 4, 1}, {0, 1, 2}, 0.1, {false, false, false}};
+    struct scene box, s;
+    set_models(&box, "linear");
+    box.models.reconstruct = reconstruct_find("firstOrder");
+    box.models.stepper = stepper_find("SSPRK43");
+    open_box(&box, world, 2, n, length, (const bool[3]){false}, 4);
+    box.models.stepper = stepper_find("local");
+    expect_refused(&box, "a lattice");
+    close_scene(&box);
+    set_models(&s, "linear");
+    open_polyhedra(&s, world, &r);
+    const struct scene good = s;
+    s.models.polynomial = polynomial_find("CWENO3");
+    expect_refused(&s, "quadratics");
+    s = good;
+    s.models.source.gravity[1] = -1;
+    expect_refused(&s, "gravity");
+    s = good;
+    s.models.transport = transport_find("JenkinsRichman");
+    expect_refused(&s, "transport");
+    s = good;
+    s.models.flux = flux_find("FORCE");
+    expect_refused(&s, "depends on the time step");
+    s = good;
+    s.rules[0].velocity.shuts = true;
+    expect_refused(&s, "feeds mass");
+    s = good;
+    close_scene(&s);
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s || comm_alone(&alone)) return 1;
@@ -211,6 +257,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(smooth_flow_is_of_second_order),
         cmocka_unit_test(bits_do_not_depend_on_ranks_or_restarts),
         cmocka_unit_test(tally_knows_what_left),
+        cmocka_unit_test(other_models_are_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_alone_free(alone);
