@@ -2,6 +2,8 @@
 /* Does what gas.h promises on any mesh, by the engine of the mesh. */
 #include "libcore/gas/gas_private.h"
 
+#include "libcore/schemes/flux_rules.h"
+
 #include <stdlib.h>
 
 /* The lines of blocks that both engines have. */
@@ -62,6 +64,42 @@ static void free_lines(struct gas *g) {
     floors_free(g);
 }
 
+const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool round, int components, bool fed,
+                            const char **cure) {
+    const struct wanted_rules on = rules_of(m->flux, &m->flux_params, false, false);
+    const struct {
+        bool is;
+        const char *what, *cure;
+    } hurdle[] = {
+        {!polyhedral, "a lattice", "say  meshEngine polyhedral;"},
+        {polyhedral && m->polynomial->degree > 1, "a polyReconstruct of quadratics", "say  polyReconstruct linear;"},
+        {round, "a body of revolution", NULL},
+        {m->flux->paced, "a fluxScheme that depends on the time step", "say  fluxScheme common;"},
+        {on.shocks || on.expansions || on.contacts, "rules of single faces but fronts",
+         "take them out of commonCoeffs"},
+        {m->transport, "transport", "say  transport none;"},
+        {source_falls(&m->source, components), "gravity or shaking", NULL},
+        {gas_may_be_dense(m), "implicit acoustics", "say  acoustics { type explicit; }  in system/fvSolution"},
+        {m->material.threshold > 0, "a thresholdSpeed", "take it out of grain"},
+        {m->ncarried > 0, "carried quantities", NULL},
+        {fed, "a patch that feeds mass", "choose fixedValue for U"},
+    };
+    for (unsigned i = 0; i < sizeof hurdle / sizeof *hurdle && m->stepper->local; i++)
+        if (hurdle[i].is) {
+            *cure = hurdle[i].cure;
+            return hurdle[i].what;
+        }
+    return NULL;
+}
+
+static status check_local(const struct gas *g) {
+    const char *cure,
+        *what = gas_local_lacks(&g->models, !g->forest,
+                                g->forest ? g->forest->radial >= 0 : g->blocks.grid->polyhedra->round.radial >= 0,
+                                g->components, g->patches.fed, &cure);
+    return what ? fail(ERR_INPUT, "time scheme local is not there for %s", what) : OK;
+}
+
 static status make(const struct gas *like, struct gas **out) {
     struct gas *g;
     TRY(allocate(&g, 1, sizeof *g, "the gas"));
@@ -76,7 +114,8 @@ static status make(const struct gas *like, struct gas **out) {
     for (int p = 0; p < g->patches.n; p++) g->patches.fed |= patch_feeds(&g->patches.rules[p]);
     if (g->models.alpha_floor > 0)
         g->limits.least = g->models.alpha_floor / packing_per_density(&g->models.material) * (1 - ROUND);
-    status s = make_lines(g);
+    status s = check_local(g);
+    if (!s) s = make_lines(g);
     if (!s) s = dense_make(g);
     if (!s) s = g->engine->state.make(g);
     if (!s) s = sides_make(g);

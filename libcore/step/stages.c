@@ -153,10 +153,11 @@ static bool runge_kutta(struct gas *g, struct attempt *a, const struct stage_now
     return true;
 }
 
-/* The largest rate of the start of the stages, over all ranks, however long the steps of single cells are. */
-static double shortest_rate(struct gas *g, const struct attempt *a) {
+/* The largest rate of a state, over all ranks, however long the steps of single cells are; the levels of the next local
+ * step follow from that state. */
+static double rate_of(struct gas *g, const struct state *state) {
     struct gas_speed speed;
-    const bool moved = a->U0 == &g->U0;
+    const bool moved = state == &g->U0;
     if (moved) swap_states(&g->U, &g->U0);
     g->engine->state.speed(g, &speed);
     if (moved) swap_states(&g->U, &g->U0);
@@ -181,7 +182,7 @@ static bool by_stages(struct gas *g, const struct attempt *a) {
     part.stepper = stepper_instead;
     g->counts.now.staged++;
     for (double left = a->dt, n = 2; n > 1; left -= part.dt) {
-        n = ceil(left * shortest_rate(g, &part) / a->maxCo);
+        n = ceil(left * rate_of(g, part.U0) / a->maxCo);
         if (!(n < MOST_STEPS)) return false;
         part.dt = n > 1 ? left / n : left;
         if (!short_step(g, &part)) return false;
@@ -194,7 +195,8 @@ static bool by_stages(struct gas *g, const struct attempt *a) {
 }
 
 /* A step in which each cell takes its own ones is looked at when it ends. If cells are inadmissible then, an unguarded
- * step is done again, and a guarded one by stages. So the bits do not depend on the guard. */
+ * step is done again, and a guarded one by stages. So the bits do not depend on the guard. If the stages fail, too, a
+ * shorter step follows, whose levels are those of the start. */
 static bool local_steps(struct gas *g, struct attempt *a, const struct stage_now *s) {
     books_stage(g, s->from, s->part * s->dt);
     const long found = g->engine->stage.local(g, s->from, &g->W, s->dt);
@@ -202,7 +204,9 @@ static bool local_steps(struct gas *g, struct attempt *a, const struct stage_now
         a->bad += found;
     else if (any_rank(g, found)) {
         flags_clear(g);
-        return by_stages(g, a);
+        const bool stands = by_stages(g, a);
+        if (!stands) (void)rate_of(g, &g->U);
+        return stands;
     }
     books_staged(g, s->part * s->dt);
     return true;

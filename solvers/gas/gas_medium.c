@@ -339,13 +339,14 @@ static void print_limited(FILE *f, const struct gas_counts *was, const struct ga
                 n->fill[1]);
 }
 
-/* Prints how many cells take the step, how many take halves of it, and so on. */
+/* Prints how many cells took the last step at once, how many in halves, and so on. */
 static void print_levels(FILE *f, const struct gas_counts *n) {
     int most = GAS_LEVELS - 1;
-    while (most > 0 && n->levels[most] == 0) most--;
-    fprintf(f, "    local steps:");
-    for (int k = 0; k <= most; k++) fprintf(f, "%s %ld cells 1/%d", k ? "," : "", n->levels[k], 1 << k);
-    fprintf(f, " of the step\n");
+    while (most >= 0 && n->levels[most] == 0) most--;
+    if (most < 0) return; /* no step yet */
+    fprintf(f, "    local steps: %ld cells take deltaT", n->levels[0]);
+    for (int k = 1; k <= most; k++) fprintf(f, ", %ld deltaT/%d", n->levels[k], 1 << k);
+    fprintf(f, "\n");
 }
 
 static void print_beds(FILE *f, const struct gas_counts *was, const struct gas_counts *n) {
@@ -421,7 +422,7 @@ static void print_state(FILE *f, const struct gas_state *g, const struct gas_cou
     fprintf(f, "    alpha %.6g .. %.6g  T %.6g .. %.6g  Ma %.6g .. %.6g\n", x->alpha[0], x->alpha[1], x->T[0], x->T[1],
             x->mach[0], x->mach[1]);
     print_totals(f, g, x->totals);
-    if (g->models->gas.stepper->local && n->levels[0] > 0) print_levels(f, n);
+    if (g->models->gas.stepper->local) print_levels(f, n);
     print_limited(f, was, n);
     print_diffusion(f, was, n);
     print_beds(f, was, n);

@@ -3,8 +3,6 @@
  * and the parameters that belong to no row of them. */
 #include "solvers/gas/models.h"
 
-#include "libcore/schemes/flux_rules.h"
-
 #include "solvers/case/case.h"
 #include "solvers/case/fields.h"
 #include "solvers/dict/family.h"
@@ -456,31 +454,11 @@ static bool any_feeds(const struct setup *s, const struct patch_rules *rules) {
 }
 
 status models_local(const struct setup *s, const struct case_models *m, const struct patch_rules *rules) {
-    const struct gas_models *g = &m->gas;
-    const struct wanted_rules on = rules_of(g->flux, &g->flux_params, false, false);
-    const bool linear = g->polynomial->degree < 2, dense = gas_may_be_dense(g);
-    const struct {
-        bool is;
-        const char *what, *cure;
-    } hurdle[] = {
-        {!s->grid->polyhedra, "a lattice", "say  meshEngine polyhedral;"},
-        {!linear, "a polyReconstruct of quadratics", "say  polyReconstruct linear;"},
-        {s->mesh->round.on, "a body of revolution", NULL},
-        {g->flux->paced, "a fluxScheme that depends on the time step", "say  fluxScheme common;"},
-        {on.shocks || on.expansions || on.contacts, "rules of single faces but fronts",
-         "take them out of commonCoeffs"},
-        {g->transport, "transport", "say  transport none;"},
-        {source_falls(&g->source, s->components), "gravity or shaking", NULL},
-        {dense, "implicit acoustics", "say  acoustics { type explicit; }  in system/fvSolution"},
-        {g->material.threshold > 0, "a thresholdSpeed", "take it out of grain"},
-        {g->ncarried > 0, "carried quantities", NULL},
-        {any_feeds(s, rules), "a patch that feeds mass", "choose fixedValue for U"},
-    };
-    for (int i = 0; i < COUNT(hurdle) && g->stepper->local; i++)
-        if (hurdle[i].is)
-            return dict_fail(m->schemes, "timeScheme", "local is not there for %s: %s%ssay  timeScheme SSPRK43;",
-                             hurdle[i].what, hurdle[i].cure ? hurdle[i].cure : "", hurdle[i].cure ? ", or " : "");
-    return OK;
+    const char *cure, *what = gas_local_lacks(&m->gas, s->grid->polyhedra != NULL, s->mesh->round.on, s->components,
+                                              any_feeds(s, rules), &cure);
+    if (!what) return OK;
+    return dict_fail(m->schemes, "timeScheme", "local is not there for %s: %s%ssay  timeScheme SSPRK43;", what,
+                     cure ? cure : "", cure ? ", or " : "");
 }
 
 /* ---- listing and printing ---- */

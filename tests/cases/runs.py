@@ -41,7 +41,7 @@ def make(path, n, end, hole=False, tables=False, types=None, viscous=False, **op
     rho, p = 100 + 20 * np.cos(3 * at[:, 0]), np.where(away < 0.04, 20000.0, 2000.0)
     u = np.stack([2 * np.sin(at[:, 0] + at[:, 1]) if n[0] > 1 else 0 * rho, 0 * rho, 0 * rho], axis=1)
     gravity = [(-3.0, -20.0, -5.0)[k] if n[k] > 1 else 0.0 for k in range(3)]
-    harness.box_case(path, n, size, rho, u, p, end, types=types, gravity=tuple(gravity), **{"e": 0.9, "cooling": "Haff", **options})
+    harness.box_case(path, n, size, rho, u, p, end, types=types, **{"gravity": tuple(gravity), "e": 0.9, "cooling": "Haff", **options})
     if hole:
         gone = np.all([(at[:, k] < 0.4 * size[k]) | (n[k] == 1) for k in range(3)], axis=0)
         boxes.write_mesh(path, n, size, types, hole=gone)

@@ -238,6 +238,8 @@ EXTRA = {
        for f in ("common", "Marquina", "MarquinaStable", "LaxFriedrichs", "globalLaxFriedrichs", "Rusanov")},
     **{f"reconstruct{r}": Row(box(reconstruct=r)) for r in ("PHM", "WPENO5", "WENO5", "WENOZ", "TENO5", "firstOrder")},
     **{f"time{t}": Row(box(stepper=t)) for t in ("SSPRK3", "SSPRK43", "SSPRK104", "SSPRK2", "Euler")},
+    "timeLocal": Row(box(end=0.01, stepper="local", courant=1.0, gravity=(0.0, 0.0, 0.0)), append=[BUDGET, (SCHEMES, "meshEngine polyhedral; polyReconstruct linear;\n")],
+                     ranks=2, stop=0.005),
     **{f"carried{e.capitalize()}": Row(carrying(e), ranks=2, stop=0.005) for e in ("lattice", "polyhedral")},
     **{f"flux{f}Polyhedral": Row(box(flux=f, end=0.01), append=[(SCHEMES, "meshEngine polyhedral;\n")])
        for f in ("Marquina", "MarquinaStable", "LaxFriedrichs", "Rusanov")},

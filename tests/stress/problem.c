@@ -343,6 +343,26 @@ struct problem problem_draw(int family, uint64_t number) {
     return p;
 }
 
+static bool gate_feeds(const struct gate *g) {
+    return g->velocity && patch_feeds(&(struct patch_rules){.velocity.type = boundary_find(g->velocity)});
+}
+
+bool problem_spare(struct problem *p) {
+    if (p->dim == 1 || p->radial >= 0) return false;
+    if (!p->polyhedral) p->shape = p->dim == 2 ? p->seed % 2 ? TRIANGLES : QUADS : p->seed % 2 ? TETS : HEXES;
+    p->polyhedral = true;
+    p->transport = NULL;
+    p->acoustics = NULL;
+    p->friction = NULL;
+    p->material.threshold = 0;
+    memset(p->source.gravity, 0, sizeof p->source.gravity);
+    for (int i = 0; i < 6; i++) {
+        p->wall[i].velocity = NULL;
+        if (gate_feeds(&p->gate[i])) p->gate[i].velocity = "fixedValue";
+    }
+    return true;
+}
+
 void problem_state(const struct problem *p, const double x[3], double *rho, double u[3], double *T) {
     struct place where = {.x = {x[0], x[1], x[2]}};
     struct point q = {0};

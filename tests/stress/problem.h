@@ -126,6 +126,9 @@ void round_at(const struct problem *p, const struct place *where, struct point *
 struct problem problem_mirrored(const struct problem *p);
 
 struct problem problem_draw(int family, uint64_t seed);
+/* Takes from it all that time scheme `local` is not there for, and a lattice becomes polyhedra. Returns false if it
+ * cannot: in 1D, and of bodies of revolution. */
+bool problem_spare(struct problem *p);
 /* The gas at a cell whose centre is x (fractions of the box): rho, u, T. */
 void problem_state(const struct problem *p, const double x[3], double *rho, double u[3], double *T);
 double problem_density(const struct problem *p, double alpha);

@@ -183,11 +183,21 @@ static void watch_clock(const char *family, uint64_t seed) {
     set_alarm(MOST_SECONDS);
 }
 
-/* Runs and counts one. */
+/* Takes from a problem what time scheme `local` is not there for; false: it is not there for what remains. */
+static bool suits(struct problem *p, const struct scheme *s) {
+    const struct stepper *stepper = stepper_find(s->stepper);
+    const struct polynomial *polynomial = polynomial_find(s->polynomial);
+    const struct flux *flux = flux_find(s->flux);
+    if (!stepper || !stepper->local || !polynomial || !flux) return true;
+    return polynomial->degree < 2 && !flux->paced && problem_spare(p);
+}
+
+/* Runs and counts one; those that do not suit the scheme are left out. */
 static status one(const struct request *r, const struct comm *c, int family, uint64_t seed, const struct scheme *s,
                   struct table *t, long *failed) {
     struct outcome o;
     struct problem p = problem_draw(family, seed);
+    if (!suits(&p, s)) return OK;
     watch_clock(family_table[family].name, seed);
     TRY(stress_run(&p, s, &r->run, c, &o));
     if (r->views) TRY(views_compare(&p, s, &r->run, c, &o));

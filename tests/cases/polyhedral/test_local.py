@@ -87,7 +87,7 @@ class Local(harness.Folder, unittest.TestCase):
     def test_log(self):
         case = self.make("logged")
         self.assertRegex(harness.program("granularGas", "-case", case).stdout,
-                         r"local steps: \d+ cells 1/1, \d+ cells 1/2, \d+ cells 1/4")
+                         r"local steps: \d+ cells take deltaT, \d+ deltaT/2, \d+ deltaT/4")
 
 
 if __name__ == "__main__":

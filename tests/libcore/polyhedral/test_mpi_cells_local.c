@@ -204,13 +204,90 @@ static void tally_knows_what_left(void **state) {
     }
 }
 
+/* A step that was rejected and shortened has the bits of one that was begun with that dt: levels follow from the state
+ * and the step alone. */
+static void shortened_steps_have_the_bits_of_short_ones(void **state) {
+    (void)state;
+    long rejected = 0;
+    for (int round = 0; round < 3; round++) {
+        struct scene s, again;
+        struct gas_speed speed;
+        open_blast(&s, world, "linear", pow(10, 6 + 2 * round));
+        open_blast(&again, world, "linear", pow(10, 6 + 2 * round));
+        for (int step = 0; step < 4; step++) {
+            gas_speed(s.gas, &speed);
+            double dt = 4 / speed.rate;
+            const long before = gas_counts(s.gas).rejected;
+            ok(gas_step(s.gas, 0, &dt, 4, 0, 0, &speed));
+            gas_speed(again.gas, &speed);
+            double same = dt;
+            ok(gas_step(again.gas, 0, &same, 4, 0, 0, &speed));
+            rejected += gas_counts(s.gas).rejected - before;
+            double *a = state_of(&s, world), *b = state_of(&again, world);
+            assert_true(same == dt);
+            assert_memory_equal(a, b, 5 * (size_t)s.cells * sizeof *a);
+            free(a);
+            free(b);
+        }
+        close_scene(&s);
+        close_scene(&again);
+    }
+    assert_true(rejected > 0);
+}
+
+/* ---- what it is not there for ---- */
+
+static void expect_refused(const struct scene *s, const char *what) {
+    struct gas *none;
+    status failed = s->forest ? gas_make(s->forest, &s->models, 6, s->rules, &none)
+                              : gas_make_polyhedral(s->grid, &s->models, 6, s->rules, &none);
+    assert_non_null(failed);
+    assert_non_null(strstr(status_text(failed), what));
+    status_free(failed);
+}
+
+/* A gas that local steps would advance wrongly, or not at all, is not made. */
+static void other_models_are_refused(void **state) {
+    (void)state;
+    const int n[3] = {4, 4, 1};
+    const double length[3] = {1, 1, 1};
+    const struct cells_recipe r = {"boxes", 2, BOXES, {4, 4, 1}, {0, 1, 2}, 0.1, {false, false, false}};
+    struct scene box, s;
+    set_models(&box, "linear");
+    box.models.reconstruct = reconstruct_find("firstOrder");
+    box.models.stepper = stepper_find("SSPRK43");
+    open_box(&box, world, 2, n, length, (const bool[3]){false}, 4);
+    box.models.stepper = stepper_find("local");
+    expect_refused(&box, "a lattice");
+    close_scene(&box);
+    set_models(&s, "linear");
+    open_polyhedra(&s, world, &r);
+    const struct scene good = s;
+    s.models.polynomial = polynomial_find("CWENO3");
+    expect_refused(&s, "quadratics");
+    s = good;
+    s.models.source.gravity[1] = -1;
+    expect_refused(&s, "gravity");
+    s = good;
+    s.models.transport = transport_find("JenkinsRichman");
+    expect_refused(&s, "transport");
+    s = good;
+    s.models.flux = flux_find("FORCE");
+    expect_refused(&s, "depends on the time step");
+    s = good;
+    s.rules[0].velocity.shuts = true;
+    expect_refused(&s, "feeds mass");
+    s = good;
+    close_scene(&s);
+}
+
 int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s || comm_alone(&alone)) return 1;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(smooth_flow_is_of_second_order),
-        cmocka_unit_test(bits_do_not_depend_on_ranks_or_restarts),
-        cmocka_unit_test(tally_knows_what_left),
+        cmocka_unit_test(smooth_flow_is_of_second_order), cmocka_unit_test(bits_do_not_depend_on_ranks_or_restarts),
+        cmocka_unit_test(tally_knows_what_left),          cmocka_unit_test(shortened_steps_have_the_bits_of_short_ones),
+        cmocka_unit_test(other_models_are_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_alone_free(alone);
