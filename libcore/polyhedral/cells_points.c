@@ -4,13 +4,19 @@
 
 #include "libcore/gas/patch.h"
 
-KERNEL void points_gather(int n, const int *restrict index, const double *restrict q, double *restrict out) {
+KERNEL static void gather_points(int n, const int *restrict index, const double *restrict q, double *restrict out) {
     for (int i = 0; i < n; i++) out[i] = q[index[i]];
 }
+void points_gather(int n, const int *index, const double *q, double *out) {
+    gather_points(n, index, q, out);
+}
 
-/* cell <- the cells on one side of n faces */
-KERNEL void points_cells(int n, const int *restrict face, const int *restrict side, int *restrict cell) {
+KERNEL static void cells_of_points(int n, const int *restrict face, const int *restrict side, int *restrict cell) {
     for (int i = 0; i < n; i++) cell[i] = side[face[i]];
+}
+/* cell <- the cells on one side of n faces */
+void points_cells(int n, const int *face, const int *side, int *cell) {
+    cells_of_points(n, face, side, cell);
 }
 
 KERNEL static void turn_normals(int n, double (*restrict axis)[MAX_DIM][BATCH]) {

@@ -64,14 +64,20 @@ struct wind { /* of a field q, u that of the states: part q +- alpha u comes fro
 ALWAYS_INLINE struct wind wind_at(double speed) {
     return (struct wind){speed >= 0 ? 0.5 : 1, speed >= 0 ? 0.5 * speed : 0, speed == UPWIND_RIGHT};
 }
+struct face_winds { /* members, no array: see EACH_ALONE */
+    struct wind minus, entropy, plus;
+};
+ALWAYS_INLINE struct wind wind_of(const int dim, const struct face_winds *w, int field) {
+    return field == 0 ? w->minus : field == dim + 1 ? w->plus : w->entropy;
+}
 
 /* Writes one cell of the columns of a face: q[0] and u[0] if the field comes from the left, q[1] and u[1] if from the
  * right. */
-ALWAYS_INLINE void put(const int dim, const bool split, const struct wind w[FAMILIES], const struct fields q[2],
+ALWAYS_INLINE void put(const int dim, const bool split, const struct face_winds *w, const struct fields q[2],
                        const struct fields u[2], double *const *first, double *const *second, long at) {
     UNROLL
     for (int v = 0; v < dim + 2; v++) {
-        const struct wind x = w[family_of(dim, v)];
+        const struct wind x = wind_of(dim, w, v);
         double left = field_of(dim, q[0], v), right = field_of(dim, q[1], v);
         if (split) {
             left = fma(x.alpha, field_of(dim, u[0], v), x.part * left);
@@ -104,7 +110,7 @@ ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const
     for (int i = 0; i < n; i++) {
         const int j = at + i;
         const struct eigenrows l = rows_at(dim, lb, j), r = two ? rows_at(dim, rb, j) : l;
-        const struct wind w[FAMILIES] = {wind_at(minus[i]), wind_at(entropy[i]), wind_at(plus[i])};
+        const struct face_winds w = {wind_at(minus[i]), wind_at(entropy[i]), wind_at(plus[i])};
         UNROLL
         for (int pair = 0; pair < pairs; pair++) {
             const int k = from + pair, m = CELLS - 1 - k;
@@ -117,8 +123,8 @@ ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const
                 psi[2] = two ? cell_of(dim, l, &state, j, m) : psi[1];
                 psi[3] = two ? cell_of(dim, r, &state, j, k) : psi[0];
             }
-            put(dim, split, w, phi, psi, first, second, i + k * (long)NEXT);
-            if (pair > 0 || pairs == 1) put(dim, split, w, phi + 2, psi + 2, first, second, i + m * (long)NEXT);
+            put(dim, split, &w, phi, psi, first, second, i + k * (long)NEXT);
+            if (pair > 0 || pairs == 1) put(dim, split, &w, phi + 2, psi + 2, first, second, i + m * (long)NEXT);
         }
     }
 }

@@ -133,11 +133,10 @@ ALWAYS_INLINE struct face_basis basis_of(const int dim, const struct faces *f, i
     const double c = 0.5 * (cl + cr), c2 = 0.5 * (cl * cl + cr * cr), g = 0.5 * (gl + gr), inverse = 1 / (c2 * (g * c));
     const double b1 = g * (g * c) * inverse;
     struct face_basis b = {.c = c, .inverse_b1 = c2 * (c2 * c) * inverse};
-    double square = 0;
-    for (int k = 0; k < dim; k++) {
-        b.l.u[k] = 0.5 * (f->velocity[k][i] + f->velocity[k][i + s]);
-        square += b.l.u[k] * b.l.u[k];
-    }
+    b.l.u[0] = 0.5 * (f->velocity[0][i] + f->velocity[0][i + s]);
+    if (dim > 1) b.l.u[1] = 0.5 * (f->velocity[1][i] + f->velocity[1][i + s]);
+    if (dim > 2) b.l.u[2] = 0.5 * (f->velocity[2][i] + f->velocity[2][i + s]);
+    const double square = b.l.u[0] * b.l.u[0] + b.l.u[1] * b.l.u[1] + b.l.u[2] * b.l.u[2];
     b.h = 0.5 * (square + (enthalpy_of(f->eps[i], gl) + enthalpy_of(f->eps[i + s], gr)));
     b.l.half_b1 = 0.5 * b1;
     b.l.half_b2 = 0.5 * fma(b1, square - b.h, 1);
