@@ -31,10 +31,10 @@ enum {
 #define ALIGNED       _Alignas(64) /* of lines: a vector then lies in one line of the cache */
 
 /* Stands before a loop over lines that do not overlap. Compilers else compare the addresses of all lines that a loop
- * reads and writes before they enter it, and of more than some ten they make no vectors at all. The loop must declare
- * no array that it reads by a variable index: clang may keep the array in memory, and all turns then share one place,
- * which they read and write in any order. UNROLL stands before a loop of few turns inside of such a loop: gcc makes
- * vectors of no loop that holds another. */
+ * reads and writes before they enter it, and of more than some ten they make no vectors at all. What the loop declares
+ * should have members, not arrays: clang may keep an array in memory whose index is a variable, even of an unrolled
+ * loop. All turns then share this memory, and one reads what another one wrote. UNROLL stands before a loop of few
+ * turns inside of such a loop: gcc makes vectors of no loop that holds another. */
 #ifdef __clang__
 #define EACH_ALONE _Pragma("clang loop vectorize(assume_safety)")
 #define UNROLL     _Pragma("clang loop unroll(full)")
