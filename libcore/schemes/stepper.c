@@ -32,3 +32,8 @@ const struct stepper *const stepper_instead = &stepper_table[1];
 const struct stepper *stepper_find(const char *name) {
     return model_find(stepper_table, sizeof *stepper_table, stepper_count, name);
 }
+
+const struct stepper *stepper_beside_bed(const struct stepper *chosen, bool damps) {
+    const struct stepper *fewer = stepper_find(damps ? "SSPRK2" : "SSPRK3");
+    return chosen->stages > fewer->stages ? fewer : chosen;
+}

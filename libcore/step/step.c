@@ -57,6 +57,7 @@ static bool try_step(struct gas *g, struct attempt *a) {
     a->guarded = g->step.guarded > 0;
     a->sources = source_active(&g->models.source, &g->models.material);
     g->step.hybrid = takes_bed(g, a->dt, a->maxCo / a->speed->rate);
+    if (g->step.hybrid) a->stepper = stepper_beside_bed(a->stepper, !g->forest || g->models.reconstruct->reach < 2);
     return parts_try(g, a);
 }
 
