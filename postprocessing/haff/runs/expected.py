@@ -9,7 +9,7 @@ An entry of expected.json: quantity (a key of QUANTITIES, or one that only shipp
 postprocessing/studies/checks that has such), field, time (if it is of one), value, tolerance (absolute), source; optional
 cells (the grid it holds for: per side in 2D, per radius or length of a body), folder (a copy that Allrun makes), paper (what the paper
 prints, where value is a band about it). `full` lists what Allrun gives, `short` what the coarser runs of the tests give, `seconds` is
-the processor time of Allrun.
+the processor time of Allrun in user mode. Optional `words` are what Allcheck gives to Allrun, as the rows of a sweep that it compares.
 
 docs/makeValidation makes its table of these, for which an entry of `full` also has kind (of KINDS: what value is), measured (what the
 case had when it was last run in full; `./Allcheck -record` writes it down), where it is further from the paper than the tolerance why,
@@ -224,10 +224,8 @@ def save(path, known):
 
 def measure(case, entry):
     """The case's value of an entry; KeyError where the time was not written."""
-    if "time" not in entry:
-        return QUANTITIES[entry["quantity"]](case, entry.get("field"), None)
-    time = case.time(entry["time"])
-    if abs(float(time) - entry["time"]) > 1e-9 * max(1, entry["time"]):
+    time = case.time(entry["time"]) if "time" in entry else None
+    if time and abs(float(time) - entry["time"]) > 1e-9 * max(1, entry["time"]):
         raise KeyError(f"{case.path}: time {entry['time']} was not written; the nearest is {time}")
     return QUANTITIES[entry["quantity"]](case, entry.get("field"), time, *([entry["at"]] if "at" in entry else []))
 

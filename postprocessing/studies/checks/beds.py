@@ -24,17 +24,19 @@ def difference_to_grains(case, field, time, raised=0.0):
 
 
 def swept(column):
-    """From rows of table/faradayDiagram.csv that cases/faradaySweep makes: a function of the list of that column."""
-    def take(function):
-        def value(case, _, time):
-            with open(os.path.join(case.path, "table", "faradayDiagram.csv"), newline="") as f:
-                return float(function([row[column] for row in csv.DictReader(f)]))
-        return value
-    return take
+    """That column of a row, by its number, of table/faradayDiagram.csv that cases/faradaySweep makes; a wavelength only where a wave stands."""
+    def value(case, _, time, number):
+        with open(os.path.join(case.path, "table", "faradayDiagram.csv"), newline="") as f:
+            row = next((row for row in csv.DictReader(f) if int(row["row"]) == number), None)
+        if row is None or (column == "wavelength" and row["state"] != "stands"):
+            raise ValueError(f"row {number} of the sweep " + (f"has no standing wave: {row['state']}" if row else "was not run"))
+        return float(row[column])
+    return value
 
 
 QUANTITIES = {
     "difference to the grains": difference_to_grains,
-    "rows with a standing wave": swept("state")(lambda states: states.count("stands")),
-    "standing waves within 20 % of the paper's": swept("within20")(lambda answers: answers.count("yes")),
+    "wavelength in a row of the sweep": swept("wavelength"),
+    "growth a period in a row of the sweep": swept("growth"),
+    "amplitude in a row of the sweep": swept("amplitude"),
 }

@@ -2,7 +2,7 @@
 """Runs cases in full and compares them with their expected.json; ../Allcheck builds the programs and calls this.
 
 Each case runs as its Allrun does it, in a copy in build/check/cases; its variants (CASE/NAME: other entries or another grid) run in
-build/check/variants. The table below gives processor seconds of Allrun, figure included, and `seconds` of expected.json is what that took when it was written, by which the cases are ordered. A case is run
+build/check/variants. The table below gives processor seconds in user mode of Allrun, figure included. `seconds` of expected.json is what -record wrote down of them, by which the cases are ordered. A case is run
 again only if the programs or its files have changed since; one that was stopped goes on from its last time. A value that is not the
 one written down as `measured` in expected.json is pointed at; -record writes all down. Exit code 1: a value is outside its tolerance
 or missing, or a case did not run to its end."""
@@ -85,11 +85,15 @@ class Copy:
                 files += [os.path.join(base, n) for n in sorted(set(found) - RESULTS(base, found)) if not UNREAD.fullmatch(n)]
             with open(os.path.join(folder, "system", "controlDict")) as f:
                 programs.update(re.findall(r"^\s*application\s+(\w+)\s*;", f.read(), re.M))
-        digest = hashlib.sha256()
+        digest = hashlib.sha256(" ".join(self.words()).encode())
         for file in files + [os.path.join(TOP, "build", "bin", p) for p in sorted(programs)]:
             with open(file, "rb") as f:
                 digest.update(os.path.relpath(file, TOP).encode() + b"\0" + f.read() + b"\0")
         return digest.hexdigest()
+
+    def words(self):
+        """What Allrun gets, where the check is less than all that it shows."""
+        return expected.read(home(self.case)).get("words", "").split()
 
     def make(self):
         """The case anew, and links to whatever else its scripts look for; one case at a time, for they link each other."""
@@ -131,15 +135,14 @@ class Copy:
         before = os.times()
         trouble = self.carry_out()
         after = os.times()
-        spent = after.children_user + after.children_system - before.children_user - before.children_system
-        self.keep(seconds=self.state["seconds"] + spent, done=not trouble)
+        self.keep(seconds=self.state["seconds"] + after.children_user - before.children_user, done=not trouble)
         return trouble
 
     def carry_out(self):
         """Calls Allrun; returns what went wrong."""
         log = os.path.join(self.root, self.case + ".log")
         with open(log, "w") as f:
-            code = subprocess.run([os.path.join(self.path, "Allrun")], stdin=subprocess.DEVNULL, stdout=f, stderr=f,
+            code = subprocess.run([os.path.join(self.path, "Allrun"), *self.words()], stdin=subprocess.DEVNULL, stdout=f, stderr=f,
                                   env={**os.environ, "HAFF_REPORT": "no"}).returncode
         return "" if code == 0 else f"Allrun ended with {code}; see {os.path.relpath(log)}"
 
@@ -152,8 +155,9 @@ class Copy:
         return f"{entry['measured']:.6g}" == f"{value:.6g}"
 
     def write_down(self, values):
-        """The values of `full` into the expected.json of the case itself; what was not measured stays."""
+        """The values of `full` and the seconds into the expected.json of the case itself; what was not measured stays."""
         known = expected.read(home(self.case))
+        known["seconds"] = variants.spent(self.state["seconds"])
         for entry, value in zip(known["full"], values):
             if value == value:
                 entry["measured"] = float(f"{value:.9g}")

@@ -2,7 +2,7 @@
 """Variants: shipped cases with other entries or on another grid, and what they give.
 
 expected.json of a case lists them under `variants`. Each has a name; changes ({file: {entry: value}}) and mesh ({number of mesh.geo:
-value}), both as haff.run takes them; seconds of processor time; full, its entries; optional short (true: a test of CTest runs it, too) and
+value}), both as haff.run takes them; seconds of processor time in user mode; full, its entries; optional short (true: a test of CTest runs it, too) and
 ends (the exit code of a run that must not reach its end: 2 after an inelastic collapse).
 
 An entry is one of runs/expected.py. Where it has no value, the value is what was last written down, `measured`. A list as field, time or
@@ -66,16 +66,21 @@ def rounded(value, tolerance):
     return float(f"{value:.{max(0, 1 + math.ceil(-math.log10(tolerance)))}f}")
 
 
+def spent(seconds):
+    """Processor time as it is written down: two digits."""
+    return float(f"{seconds:.2g}")
+
+
 def write_down(path, name, values, seconds=None):
-    """The values of all entries of a variant into expected.json, and seconds, if it has none. An entry of which one is nan stays."""
+    """The values of all entries of a variant into expected.json, and the seconds of a run of its own. An entry of which one is nan stays."""
     known, values = expected.read(path), iter(values)
     variant = next(v for v in known["variants"] if v["name"] == name)
     for entry in variant["full"]:
         new = [rounded(next(values), entry["tolerance"]) for _ in spread(entry)]
         if all(v == v for v in new):
             entry["measured"] = new if any(isinstance(entry.get(key), list) for key in LISTS) else new[0]
-    if seconds is not None and "seconds" not in variant:
-        variant["seconds"] = float(f"{seconds:.2g}")
+    if seconds is not None:
+        variant["seconds"] = spent(seconds)
         variant["full"] = variant.pop("full")  # stays the last
     expected.save(path, known)
 

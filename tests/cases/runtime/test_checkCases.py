@@ -72,13 +72,16 @@ class CheckCases(harness.Folder, unittest.TestCase):
         self.check()
 
     def test_writes_down(self):
-        """-record writes down what was measured, and nothing else; without it Allcheck points at what is not that."""
+        """-record writes down what was measured and the seconds, and nothing else; without it Allcheck points at what is not that."""
         before = expected.read(self.case)
+        expected.save(self.case, {**before, "seconds": 1000})
         self.expect(measured=1.5)
         self.assertRegex(self.check(), r"maximum T at t = 0.2 .* ok, but 1\.5 is written down \(-record\)\n")
         self.assertNotIn("written down (", self.check("-record"))
         after = expected.read(self.case)
         self.assertAlmostEqual(after["full"][0]["measured"], 1.1431, 4)
+        self.assertEqual(after.pop("seconds"), float(f"{self.spent():.2g}"))
+        del before["seconds"]
         for entry in before["full"] + after["full"]:
             del entry["measured"]
         self.assertEqual(after, before)
@@ -95,7 +98,9 @@ class CheckCases(harness.Folder, unittest.TestCase):
         self.assertNotIn("sod  ", self.check("sod/N=40", "-record"))
         made = expected.read(self.case)["variants"][0]
         self.assertGreater(made["seconds"], 0)
-        self.assertEqual(made["full"][0]["measured"][0], 1)
+        expected.save(self.case, {**known, "variants": [{**made, "seconds": 1000}]})
+        self.check("sod/N=40", "-record")
+        self.assertEqual(expected.read(self.case)["variants"][0], made)
         self.assertEqual(self.check("sod/N=40").count("  ok\n"), 2)
         copy = os.path.join(self.top, "build", "check", "variants", "sod-N=40", "sod")
         self.assertEqual((harness.haff.Case(copy).mesh.cells, harness.haff.Case(copy).times[-1]), (40, "0.1"))
@@ -113,6 +118,20 @@ class CheckCases(harness.Folder, unittest.TestCase):
         expected.save(self.case, {**known, "variants": [made]})
         shutil.rmtree(copy)
         self.assertIn("the run reached its end, and did not stop with 2", self.check("sod/N=40", code=1))
+
+    def test_words(self):
+        """Allrun gets the words of expected.json; other words make another run."""
+        allrun, known = os.path.join(self.case, "Allrun"), expected.read(self.case)
+        shutil.copy(allrun, self.folder)
+        self.addCleanup(shutil.copy, os.path.join(self.folder, "Allrun"), allrun)
+        self.addCleanup(expected.save, self.case, known)
+        with open(allrun, "w") as f:
+            f.write('#!/bin/sh\necho "words: $@"\n')
+        for words in ("-rows 1,2", "-rows 3"):
+            expected.save(self.case, {**known, "words": words})
+            self.check("sod", code=1)
+            with open(os.path.join(self.top, "build", "check", "sod.log")) as f:
+                self.assertEqual(f.read(), f"words: {words}\n")
 
     def test_families(self):
         """Cases that take files of each other run one after the other, all others at once; none is left out."""
