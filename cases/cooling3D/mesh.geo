@@ -1,5 +1,5 @@
 // A periodic cube of 100 grain diameters in N^3 cells: gmsh -setnumber N 128 ...
-DefineConstant[ N = {64, Min 3, Name "cells per side"} ];
+DefineConstant[ N = {48, Min 3, Name "cells per side"} ];
 DefineConstant[ L = {100, Name "side in diameters"} ];
 
 Point(1) = {0, 0, 0};   Point(2) = {L, 0, 0};   Point(3) = {L, L, 0};   Point(4) = {0, L, 0};

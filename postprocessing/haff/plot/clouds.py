@@ -71,12 +71,13 @@ def picture(values, low, high, pixels=512, azimuth=32.0, height=24.0, steps=0.6,
     x = np.linspace(-reach, reach, pixels)
     flat = right[:, None, None] * x[None, None, :] + up[:, None, None] * -x[None, :, None] + side / 2
     image, clear = np.zeros((pixels, pixels, 3)), np.ones((pixels, pixels))
+    crossed = np.sort([-flat / away[:, None, None], (side - flat) / away[:, None, None]], axis=0)
+    enters, leaves = crossed[0].max(axis=0), crossed[1].min(axis=0)
     for s in np.arange(-0.87 * side, 0.87 * side, steps):
-        at = flat + away[:, None, None] * s
-        inside = np.all((at > 0) & (at < side), axis=0) & (clear > 0.004)
+        inside = (enters < s) & (s < leaves) & (clear > 0.004)
         if not inside.any():
             continue
-        colour, thick = cube.layer(at[:, inside], lamp, colours)
+        colour, thick = cube.layer(flat[:, inside] + away[:, None] * s, lamp, colours)
         left = np.exp(-thick * steps)
         image[inside] += (clear[inside] * (1 - left))[:, None] * colour
         clear[inside] *= left

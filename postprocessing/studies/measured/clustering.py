@@ -21,7 +21,7 @@ from haff.case.foam import header
 from haff.start import enskog
 from studies.exact import disks, garzoDufty
 
-SIDE = {2: 160, 3: 64}  # cells a side in which grains are counted, those of the shipped gases
+SIDE = {2: 160, 3: 64}  # cells a side in which grains are counted
 LONGEST = {2: 62, 3: 13}  # |n|^2 of the shortest waves that the shipped gases begin with
 FIELDS = {"alpha": ("volScalarField", "[0 0 0 0 0 0 0]"), "T": ("volScalarField", "[0 2 -2 0 0 0 0]"), "U": ("volVectorField", "[0 1 -1 0 0 0 0]")}
 
