@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Asks /proc for the state and the children of a process (child.h). */
+/* Starts a child that ends with its parent; asks /proc for the state and the children of a process (child.h). */
+#define _GNU_SOURCE /* execvpe, pipe2 */
 #include "solvers/dem/child.h"
 
 #include "mesh/format/files.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum { TEXT = 4096 };
@@ -53,6 +58,39 @@ pid_t child_stopped(pid_t pid) {
     read_children(pid, text);
     for (pid_t one; !found && (one = next(&list));) found = child_stopped(one);
     return found;
+}
+
+/* Becomes the program; returns where that fails. It has a group of its own: Ctrl-C is for the parent, which ends it in
+ * order. A parent that ended before prctl sends no signal. */
+static void become(const struct child *c, pid_t parent) {
+    prctl(PR_SET_PDEATHSIG, c->last);
+    if (getppid() != parent) raise(SIGKILL);
+    setpgid(0, 0);
+    signal(SIGPIPE, SIG_DFL);
+    dup2(c->in[0], STDIN_FILENO);
+    dup2(c->out[1], STDOUT_FILENO);
+    for (int k = 0; k < 2; k++) {
+        close(c->in[k]);
+        close(c->out[k]);
+    }
+    execvpe(c->command[0], c->command, c->environment);
+}
+
+int child_start(const struct child *c, pid_t *pid) {
+    const pid_t parent = getpid();
+    int failed[2], why = 0; /* a pipe that a program which begins has closed */
+    if (pipe2(failed, O_CLOEXEC)) return errno;
+    *pid = fork();
+    if (*pid == 0) {
+        become(c, parent);
+        (void)!write(failed[1], &errno, sizeof errno);
+        raise(SIGKILL); /* what the parent has buffered is not for the child to write */
+    }
+    if (*pid < 0) why = errno;
+    close(failed[1]);
+    if (*pid > 0 && read(failed[0], &why, sizeof why) > 0) waitpid(*pid, NULL, 0);
+    close(failed[0]);
+    return why;
 }
 
 void child_kill(pid_t pid) {

@@ -12,7 +12,6 @@
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,33 +39,6 @@ static char **environment_of(bool alone) {
     memcpy(all, environ, n * sizeof *all);
     if (alone) comm_alone_settings(all + n);
     return (char **)all;
-}
-
-/* Starts a program with the ends in[0] and out[1] of two pipes as its standard input and output. Returns an errno. */
-static int spawn(char *const command[], bool alone, const int in[2], const int out[2], pid_t *pid) {
-    posix_spawn_file_actions_t files;
-    posix_spawnattr_t how;
-    sigset_t usual;
-    char **environment = environment_of(alone);
-    if (!environment) return ENOMEM;
-    sigemptyset(&usual);
-    sigaddset(&usual, SIGPIPE);
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, in[0], STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&files, out[1], STDOUT_FILENO);
-    for (int k = 0; k < 2; k++) {
-        posix_spawn_file_actions_addclose(&files, in[k]);
-        posix_spawn_file_actions_addclose(&files, out[k]);
-    }
-    posix_spawnattr_init(&how);
-    posix_spawnattr_setsigdefault(&how, &usual);
-    /* a group of its own: Ctrl-C is for haff, which ends the child in order */
-    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    const int why = posix_spawnp(pid, command[0], &files, &how, command, environment);
-    free(environment);
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&how);
-    return why;
 }
 
 /* Says once that LAMMPS is stopped. Returns false if it is, and the run is to end: LAMMPS is left then. */
@@ -118,19 +90,24 @@ static void make_streams(struct lammps *l, int to, int from) {
     l->from = fopencookie(&l->pipe[1], "r", (cookie_io_functions_t){.read = take, .close = shut});
 }
 
+/* If this process is killed, LAMMPS ends, even one that is stopped. mpirun is sent SIGTERM, by which it ends its ranks
+ * and removes their files. */
 static status launch(char *const command[], bool alone, struct lammps *l) {
-    int in[2], out[2];
-    if (pipe(in)) return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
-    if (pipe(out)) {
-        close(in[0]);
-        close(in[1]);
+    struct child c = {.command = command, .last = alone ? SIGKILL : SIGTERM};
+    if (pipe(c.in)) return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
+    if (pipe(c.out)) {
+        close(c.in[0]);
+        close(c.in[1]);
         return fail(ERR_SYSTEM, "%s: no pipe can be made", command[0]);
     }
-    const int why = spawn(command, alone, in, out, &l->pid);
+    char **environment = environment_of(alone);
+    c.environment = environment;
+    const int why = environment ? child_start(&c, &l->pid) : ENOMEM;
+    free(environment);
     if (why) l->pid = 0;
-    close(in[0]);
-    close(out[1]);
-    make_streams(l, in[1], out[0]);
+    close(c.in[0]);
+    close(c.out[1]);
+    make_streams(l, c.in[1], c.out[0]);
     if (why == ENOENT && !strcmp(command[0], "lmp")) return missing();
     if (why || !l->to || !l->from) return fail(ERR_SYSTEM, "%s: it cannot be started: %s", command[0], strerror(why));
     return OK;

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whatever is done to a run, no result is lost that had been reported as written, and the message says what to do."""
+import contextlib
+import ctypes
+import functools
 import gzip
 import itertools
 import os
@@ -184,6 +187,37 @@ class SlowDisk(harness.Folder, unittest.TestCase):
         said = going.communicate(timeout=60)[1]
         self.assertNotEqual(going.returncode, 0)
         self.assertRegex(said, "error: while writing time 0.0002; earlier times are intact")
+
+
+@unittest.skipUnless(shutil.which("lmp"), "needs LAMMPS")
+class Orphans(harness.Folder, unittest.TestCase):
+    def descendants(self, pid):
+        with open(f"/proc/{pid}/task/{pid}/children") as f:
+            children = [int(child) for child in f.read().split()]
+        return children + [one for child in children for one in self.descendants(child)]
+
+    def test_stopped_lammps(self):
+        """LAMMPS that is stopped ends when the run is killed. The kernel wakes and ends it where its new parent is in another session; here that
+        is this process, in the same one, as the first process of a container may be."""
+        subreaper = functools.partial(ctypes.CDLL(None).prctl, 36)  # PR_SET_CHILD_SUBREAPER
+        self.addCleanup(subreaper, 0)
+        self.assertEqual(subreaper(1), 0)
+        for ranks, processes in (("1", 1), ("2", 3)):
+            case = faults.soft_bed(self.folder, ranks)
+            going, _ = faults.start(case, command=(faults.DEM, "-np", ranks))
+            children = self.descendants(going.pid)
+            self.assertEqual(len(children), processes)  # mpirun is the first of three
+            for pid in children[-2:]:
+                os.kill(pid, signal.SIGSTOP)
+            going.kill()
+            left = [pid for pid in children if faults.runs_on(pid, 5)]
+            for pid in left:
+                os.kill(pid, signal.SIGKILL)
+            faults.rest(going)
+            self.assertEqual(left, [], f"{ranks} ranks")
+            with contextlib.suppress(ChildProcessError):
+                while os.waitpid(-1, os.WNOHANG)[0]:
+                    pass
 
 
 class Checksums(harness.Folder, unittest.TestCase):
