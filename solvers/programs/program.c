@@ -61,9 +61,14 @@ status lookup_print(const struct lookup *l, keywords_walk *walk, const void *of)
     return OK;
 }
 
+static long count_processors(void) {
+    const long found = sysconf(_SC_NPROCESSORS_ONLN);
+    return found > 0 ? found : 1;
+}
+
 /* Refuses more than `each` ranks for a processor of this machine: beyond a few they only wait for each other. */
 static status check_ranks(long n, long each) {
-    const long found = sysconf(_SC_NPROCESSORS_ONLN), processors = found > 0 ? found : 1, most = each * processors;
+    const long processors = count_processors(), most = each * processors;
     if (n <= most) return OK;
     return fail(
         ERR_INPUT,
@@ -80,8 +85,13 @@ static long launched(const char *openmpi, const char *mpich) {
 }
 
 status options_launched(bool *first) {
+    const long n = launched("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"), processors = count_processors();
     *first = launched("OMPI_COMM_WORLD_RANK", "PMI_RANK") <= 0;
-    return check_ranks(launched("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"), MOST_LAUNCHED);
+    TRY(check_ranks(n, MOST_LAUNCHED));
+    if (*first && n > processors)
+        printf("%ld ranks share %ld processor%s and wait for each other: %ld of them take less time\n", n, processors,
+               processors == 1 ? "" : "s", processors);
+    return OK;
 }
 
 /* OpenFOAM's option -parallel goes with mpirun, which then has said how many ranks there are. */

@@ -38,7 +38,7 @@ status options_relaunch(int argc, char **argv, const struct options *o);
 /* Replaces this process by `haff ensemble`, for -ensemble N; returns only if that failed. */
 status options_ensemble(const struct options *o);
 /* Fails if mpirun has started far more ranks on this machine than it has processors, before MPI makes them wait for
- * each other; *first: is this process the one that says so? */
+ * each other; *first: is this process the one that says so? Says in the log if there are more ranks than processors. */
 status options_launched(bool *first);
 /* Prints an error once (on the root), frees it, ends MPI; returns the exit code. c may be NULL: MPI was not started. */
 int program_end(struct comm *c, status s, bool debug);

@@ -92,6 +92,13 @@ class Outlook(harness.Folder, unittest.TestCase):
             self.assertTrue(done.stderr.startswith(said) and bool(done.stderr) == bool(said), done.stderr)
         self.assertEqual(sorted(os.listdir(case)), ["0", "constant", "system"])
 
+    def test_more_ranks_than_processors(self):
+        """The log says so, once; as many ranks as processors are not spoken of."""
+        case, n = self.make("crowded", 0.01), os.cpu_count()
+        for ranks, said in ((n, []), (n + 1, [f"{n + 1} ranks share {n} processor"])):
+            done = harness.program("granularGas", "-case", case, "-dry-run", ranks=ranks)
+            self.assertEqual(re.findall(r"^\d+ ranks share \d+ processor", done.stdout, re.M), said)
+
     def test_the_first_step(self):
         """A first step that foretells more than a million is spoken of by checkCase and in the log, in the same words."""
         said = harness.program("checkCase", self.make("short", 100.0)).stdout
