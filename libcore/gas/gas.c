@@ -77,7 +77,6 @@ const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool ro
         {m->flux->paced, "a fluxScheme that depends on the time step", "say  fluxScheme common;"},
         {on.shocks || on.expansions || on.contacts, "rules of single faces but fronts",
          "take them out of commonCoeffs"},
-        {m->transport, "transport", "say  transport none;"},
         {source_falls(&m->source, components), "gravity or shaking", NULL},
         {gas_may_be_dense(m), "implicit acoustics", "say  acoustics { type explicit; }  in system/fvSolution"},
         {m->material.threshold > 0, "a thresholdSpeed", "take it out of grain"},

@@ -196,7 +196,7 @@ static bool by_stages(struct gas *g, const struct attempt *a) {
 
 /* A step in which each cell takes its own ones is looked at when it ends. If cells are inadmissible then, an unguarded
  * step is done again, and a guarded one by stages. So the bits do not depend on the guard. If the stages fail, too, a
- * shorter step follows, whose levels are those of the start. */
+ * shorter step follows. */
 static bool local_steps(struct gas *g, struct attempt *a, const struct stage_now *s) {
     books_stage(g, s->from, s->part * s->dt);
     const long found = g->engine->stage.local(g, s->from, &g->W, s->dt);
@@ -204,9 +204,7 @@ static bool local_steps(struct gas *g, struct attempt *a, const struct stage_now
         a->bad += found;
     else if (any_rank(g, found)) {
         flags_clear(g);
-        const bool stands = by_stages(g, a);
-        if (!stands) (void)rate_of(g, &g->U);
-        return stands;
+        return by_stages(g, a);
     }
     books_staged(g, s->part * s->dt);
     return true;

@@ -31,6 +31,12 @@ static double shorter(struct gas *g, const struct state *U0, double dt, double m
     return dt * (share < LEAST_SHARE ? LEAST_SHARE : share < 0.5 ? share : 0.5);
 }
 
+/* Local steps follow from the rates that were found last: they are to be those of the state at the start. */
+static void look_at_start(struct gas *g) {
+    struct gas_speed speed;
+    if (g->models.stepper->local) g->engine->state.speed(g, &speed);
+}
+
 /* Ends a step that is left: the state is still that at its start, and so become the counts. */
 static status leave(struct gas *g, const struct gas_counts *start, double *dt) {
     if (g->step.held) flags_hold(g, true);
@@ -132,6 +138,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         }
         g->counts.now.rejected++;
         *dt = g->step.hybrid ? 0.5 * *dt : shorter(g, tried.U0, *dt, maxCo);
+        look_at_start(g);
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)
             return g->diffusion.stiff.found ? stop_of_diffusion(g, t) : stop_of_collapse(g, t, *dt, speed);
     }

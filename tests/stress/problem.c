@@ -351,13 +351,12 @@ bool problem_spare(struct problem *p) {
     if (p->dim == 1 || p->radial >= 0) return false;
     if (!p->polyhedral) p->shape = p->dim == 2 ? p->seed % 2 ? TRIANGLES : QUADS : p->seed % 2 ? TETS : HEXES;
     p->polyhedral = true;
-    p->transport = NULL;
     p->acoustics = NULL;
     p->friction = NULL;
     p->material.threshold = 0;
     memset(p->source.gravity, 0, sizeof p->source.gravity);
     for (int i = 0; i < 6; i++) {
-        p->wall[i].velocity = NULL;
+        if (!p->transport) p->wall[i].velocity = NULL;
         if (gate_feeds(&p->gate[i])) p->gate[i].velocity = "fixedValue";
     }
     return true;

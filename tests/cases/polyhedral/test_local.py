@@ -30,8 +30,7 @@ class Local(harness.Folder, unittest.TestCase):
     def run_case(self, case, **options):
         return int(re.search(r"(\d+) steps in", harness.program("granularGas", "-case", case, **options).stdout)[1])
 
-    def test_ranks_restarts_and_budget(self):
-        case = self.make("plain")
+    def check_ranks_restarts_and_budget(self, case):
         copies = [shutil.copytree(case, f"{case}{ranks}") for ranks in (2, 3)]
         steps = self.run_case(case)
         for ranks, copy in zip((2, 3), copies):
@@ -42,6 +41,14 @@ class Local(harness.Folder, unittest.TestCase):
         runs.same(self, *(runs.contents(os.path.join(c, "0.06")) for c in (case, part)))
         budget = forces.columns(case, "budget", "energyBudget.dat")
         self.assertLess(np.abs(budget["residual"]).max(), 1e-12 * np.abs(budget["cooling"]).max())
+
+    def test_ranks_restarts_and_budget(self):
+        self.check_ranks_restarts_and_budget(self.make("plain"))
+
+    def test_transport(self):
+        case = self.make("viscous", **runs.SPHERES)
+        runs.conduct(case)
+        self.check_ranks_restarts_and_budget(case)
 
     def test_difference_from_stages(self):
         """It takes a third of the steps, and comes to the same flow as steps get shorter."""
@@ -65,12 +72,10 @@ class Local(harness.Folder, unittest.TestCase):
                  "polyReconstruct linear;": self.make("quadratic", scheme="CWENO3"),
                  "fluxScheme common;": self.make("paced", flux="FORCE"),
                  "out of commonCoeffs": edited("ruled", "system/fvSchemes", coeffs),
-                 "transport none;": self.make("viscous", **runs.SPHERES),
                  "gravity or shaking": self.make("falls", gravity=(0.0, -9.0, 0.0)),
                  "acoustics { type explicit; }": edited("bed", "system/fvSolution", "acoustics { type implicit; }\n"),
                  "out of grain": self.make("threshold"),
                  "carried quantities": edited("carries", "constant/granularProperties", "carried { dye { type passive; } }\n")}
-        runs.conduct(cases["transport none;"])
         harness.edit(cases["out of grain"], "constant/granularProperties", restitution="0.9; thresholdSpeed 0.03")
         runs.add(cases["out of grain"], "system/fvSolution", "acoustics { type explicit; }\n")
         with open(os.path.join(cases["carried quantities"], "0", "rho")) as f:

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Local time steps on polyhedra: order, sums, the same bits on any ranks and after a restart, steps that stages do. */
-#include "libcore/gas/gas.h"
-
-#include "tests/libcore/oracle.h" /* last: cmocka.h defines fail() */
-#include "tests/libcore/scene.h"
+#include "tests/libcore/gas/viscous.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world, *alone;
 
@@ -110,13 +107,50 @@ static void smooth_flow_is_of_second_order(void **state) {
     assert_true(log2(coarse / fine) > 1.9);
 }
 
+/* ---- spheres that cool and conduct, against manufactured fields (tests/libcore/gas/manufactured.h) ---- */
+
+static double driven(int side, int count) {
+    const struct cells_recipe r = {"triangles", 2, PRISMS, {side, side, 1}, {0, 1, 2}, 0.1, {true, true, false}};
+    struct scene s = {.models = spheres_models(0.8, 0.5, true, "RKJ2")};
+    double error[2];
+    set_walls(&s, "slip");
+    s.models.stepper = stepper_find("local");
+    s.models.source = (struct sources){.cooling = cooling_find("Haff")};
+    open_graded(&s, world, &r, 1);
+    drive(&s, world, OF_ALL, 0.02, count, error);
+    assert_true(levels_of(&s) > 2);
+    close_scene(&s);
+    return error[1];
+}
+
+static void transport_is_of_second_order(void **state) {
+    (void)state;
+    const double coarse = driven(12, 6), fine = driven(24, 12);
+    print_message("errors %g, %g: order %.2f\n", coarse, fine, log2(coarse / fine));
+    assert_true(log2(coarse / fine) > 1.8);
+}
+
 /* ---- a blast in a graded box of tetrahedra between an inlet, an outlet and walls ---- */
 
 enum { SIDE = 7 };
 
-static void open_blast(struct scene *s, const struct comm *c, const char *polynomial, double jump) {
+struct blast {
+    const char *polynomial;
+    double jump;    /* of the density and of T */
+    bool conducts;  /* spheres with transport between walls that hold them? */
+    double gravity; /* along the third axis */
+};
+
+static void open_blast(struct scene *s, const struct comm *c, const struct blast *b) {
     const struct cells_recipe r = {"tetrahedra", 3, TETS, {SIDE, SIDE, SIDE}, {0, 1, 2}, 0.1, {false}};
-    set_models(s, polynomial);
+    const double jump = b->jump;
+    set_models(s, b->polynomial);
+    if (b->conducts) {
+        s->models = spheres_models(0.8, 0.2, true, "RKJ2");
+        s->models.stepper = stepper_find("local");
+        set_walls(s, "noSlip");
+    }
+    s->models.source.gravity[2] = b->gravity;
     for (int p = 0; p < 2; p++) {
         const struct boundary_type *type = boundary_find(p ? "zeroGradient" : "fixedValue");
         s->rules[p].density.type = s->rules[p].velocity.type = s->rules[p].temperature.type = type;
@@ -140,13 +174,13 @@ static void open_blast(struct scene *s, const struct comm *c, const char *polyno
 /* The same bits as on one rank, and as after a restart from the conserved variables. */
 static void bits_do_not_depend_on_ranks_or_restarts(void **state) {
     (void)state;
-    for (int round = 0; round < 3; round++) {
-        const char *polynomial = round == 1 ? "firstOrder" : "linear";
-        const double jump = round == 2 ? 1e10 : 4;
+    static const struct blast blast[] = {
+        {"linear", 4, false, 0}, {"firstOrder", 4, false, 0}, {"linear", 1e10, false, 0}, {"linear", 4, true, 0}};
+    for (unsigned round = 0; round < sizeof blast / sizeof *blast; round++) {
         struct scene s, one, again;
-        open_blast(&s, world, polynomial, jump);
-        open_blast(&one, alone, polynomial, jump);
-        open_blast(&again, world, polynomial, jump);
+        open_blast(&s, world, &blast[round]);
+        open_blast(&one, alone, &blast[round]);
+        open_blast(&again, world, &blast[round]);
         run(&one, 6, 1);
         run(&s, 3, 1);
         double *middle = state_of(&s, world), *U[MAX_VAR];
@@ -178,10 +212,11 @@ static void add_face(void *left, const struct gas_face *face) {
 /* What the state loses has left through the faces of patches, also where stages do the step. */
 static void tally_knows_what_left(void **state) {
     (void)state;
+    static const struct blast blast[] = {{"linear", 4, false, 0}, {"linear", 1e10, false, 0}};
     for (int round = 0; round < 2; round++) {
         struct scene s;
         double before[MAX_VAR], after[MAX_VAR], left[5] = {0}, all[5] = {0};
-        open_blast(&s, world, "linear", round ? 1e10 : 4);
+        open_blast(&s, world, &blast[round]);
         ok(gas_tally(s.gas));
         ok(gas_totals(s.gas, before));
         for (int step = 0; step < 5; step++) {
@@ -212,8 +247,9 @@ static void shortened_steps_have_the_bits_of_short_ones(void **state) {
     for (int round = 0; round < 3; round++) {
         struct scene s, again;
         struct gas_speed speed;
-        open_blast(&s, world, "linear", pow(10, 6 + 2 * round));
-        open_blast(&again, world, "linear", pow(10, 6 + 2 * round));
+        const struct blast blast = {"linear", pow(10, 6 + 2 * round), false, 0};
+        open_blast(&s, world, &blast);
+        open_blast(&again, world, &blast);
         for (int step = 0; step < 4; step++) {
             gas_speed(s.gas, &speed);
             double dt = 4 / speed.rate;
@@ -269,9 +305,6 @@ static void other_models_are_refused(void **state) {
     s.models.source.gravity[1] = -1;
     expect_refused(&s, "gravity");
     s = good;
-    s.models.transport = transport_find("JenkinsRichman");
-    expect_refused(&s, "transport");
-    s = good;
     s.models.flux = flux_find("FORCE");
     expect_refused(&s, "depends on the time step");
     s = good;
@@ -285,8 +318,11 @@ int main(int argc, char **argv) {
     status s = comm_start(&argc, &argv, &world);
     if (s || comm_alone(&alone)) return 1;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(smooth_flow_is_of_second_order), cmocka_unit_test(bits_do_not_depend_on_ranks_or_restarts),
-        cmocka_unit_test(tally_knows_what_left),          cmocka_unit_test(shortened_steps_have_the_bits_of_short_ones),
+        cmocka_unit_test(smooth_flow_is_of_second_order),
+        cmocka_unit_test(transport_is_of_second_order),
+        cmocka_unit_test(bits_do_not_depend_on_ranks_or_restarts),
+        cmocka_unit_test(tally_knows_what_left),
+        cmocka_unit_test(shortened_steps_have_the_bits_of_short_ones),
         cmocka_unit_test(other_models_are_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
