@@ -68,7 +68,8 @@ def rounded(value, tolerance):
 
 def spent(seconds):
     """Processor time as it is written down: two digits."""
-    return float(f"{seconds:.2g}")
+    value = float(f"{seconds:.2g}")
+    return int(value) if value >= 10 else value
 
 
 def write_down(path, name, values, seconds=None):
