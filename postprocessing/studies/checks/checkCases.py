@@ -54,6 +54,8 @@ def sources(name):
 class Copy:
     """A case in build/check, as a tree that its scripts take for the whole repository."""
 
+    variant = {}
+
     def __init__(self, name, root):
         self.begin(name, name, root, os.path.join(root, "cases", name), os.path.join(root, name + ".json"))
         self.cost = expected.load(home(name), "seconds")
@@ -292,18 +294,18 @@ def check(copy, trouble, record=False):
 
 
 def choose(known, wanted, parser):
-    """Those of the names CASE (with its variants) and CASE/VARIANT, or all."""
+    """Those of the names CASE (with its variants) and CASE/VARIANT, or all that need not be named."""
     found = {copy.name for copy in known}
     wanted = [word if word in found else os.path.basename(os.path.abspath(word)) for word in wanted]
     for name in wanted:
         if name not in found:
             parser.error(f"no case {name}; there are: {' '.join(names())}")
-    return [copy for copy in known if not wanted or copy.name in wanted or copy.case in wanted]
+    return [copy for copy in known if copy.name in wanted or copy.case in wanted or not (wanted or copy.variant.get("named"))]
 
 
 def main():
     parser = command.parser(__doc__.split("\n\n")[1], prog="Allcheck")
-    parser.add_argument("cases", nargs="*", metavar="CASE", help="a case with its variants, or CASE/VARIANT; all by default")
+    parser.add_argument("cases", nargs="*", metavar="CASE", help="a case with its variants, or CASE/VARIANT; by default all but those that are to be named (-list)")
     parser.add_argument("-list", action="store_true", help="says what there is and what it costs; runs nothing")
     parser.add_argument("-within", type=float, metavar="SECONDS", default=float("inf"), help="only cases that cost no more than that")
     parser.add_argument("-record", action="store_true", help="writes what was measured into expected.json; then run docs/makeTables and docs/makeValidation")
@@ -312,12 +314,12 @@ def main():
     parser.add_argument("-scratch", metavar="FOLDER", default=os.path.join(TOP, "build", "check"), help="instead of build/check")
     options = parser.parse_args()
     known = copies_in(os.path.abspath(options.scratch))
-    chosen = choose(known, options.cases, parser)
+    chosen = choose(known, options.cases or names() * options.list, parser)
     chosen = [copy for copy in chosen if copy.cost <= options.within]
     if options.list:
         for copy in chosen:
             entries = copy.entries() if isinstance(copy, Extra) else expected.load(home(copy.case), "full")
-            print(f"{copy.name:<32}{copy.cost:>7g} s {len(entries):>3} values")
+            print(f"{copy.name:<32}{copy.cost:>7g} s {len(entries):>3} values" + "  if named" * copy.variant.get("named", False))
         return 0
     os.environ["ranks"] = str(options.np)
     os.makedirs(options.scratch, exist_ok=True)

@@ -2,7 +2,8 @@
 """Variants: shipped cases with other entries or on another grid, and what they give.
 
 expected.json of a case lists them under `variants`. Each has a name; changes ({file: {entry: value}}) and mesh ({number of mesh.geo:
-value}), both as haff.run takes them; seconds of processor time in user mode; full, its entries; optional short (true: a test of CTest runs it, too) and
+value}), both as haff.run takes them; seconds of processor time in user mode; full, its entries; optional short (true: a test of CTest runs it, too),
+named (true: Allcheck runs it only where it or its case is named: a costly point of a table whose others show the same) and
 ends (the exit code of a run that must not reach its end: 2 after an inelastic collapse).
 
 An entry is one of runs/expected.py. Where it has no value, the value is what was last written down, `measured`. A list as field, time or
@@ -18,7 +19,7 @@ from haff.case import entries as dictionary
 from haff.runs import expected
 
 LISTS = ("field", "time", "at")  # keys that may have a list
-KEYS = {"name", "changes", "mesh", "seconds", "short", "ends", "full"}
+KEYS = {"name", "changes", "mesh", "seconds", "short", "named", "ends", "full"}
 
 
 def spread(entry):

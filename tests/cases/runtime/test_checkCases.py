@@ -105,6 +105,10 @@ class CheckCases(harness.Folder, unittest.TestCase):
         copy = os.path.join(self.top, "build", "check", "variants", "sod-N=40", "sod")
         self.assertEqual((harness.haff.Case(copy).mesh.cells, harness.haff.Case(copy).times[-1]), (40, "0.1"))
         self.assertFalse(os.path.exists(os.path.join(copy, "VTK")))
+        expected.save(self.case, {**known, "variants": [{**made, "named": True}]})
+        self.assertRegex(self.check(), r"1 of 2 cases and variants .*\nnot run: sod/N=40 \(")
+        self.assertIn("1 of 2 cases", self.check("sod/N=40"))
+        self.assertRegex(self.check("-list"), r"sod/N=40 +\S+ s +2 values  if named\n")
         made["mesh"]["N"] = 50
         made["full"][0]["measured"][1] += 1e-2
         expected.save(self.case, {**known, "variants": [made]})
