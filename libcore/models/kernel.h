@@ -31,15 +31,18 @@ enum {
 #define ALIGNED       _Alignas(64) /* of lines: a vector then lies in one line of the cache */
 
 /* Stands before a loop over lines that do not overlap. Compilers else compare the addresses of all lines that a loop
- * reads and writes before they enter it, and of more than some ten they make no vectors at all. What the loop declares
- * should have members, not arrays: clang may keep an array in memory whose index is a variable, even of an unrolled
- * loop. All turns then share this memory, and one reads what another one wrote. UNROLL stands before a loop of few
- * turns inside of such a loop: gcc makes vectors of no loop that holds another. */
+ * reads and writes before they enter it, and of more than some ten they make no vectors at all. clang still compares,
+ * but any number of lines: told that nothing overlaps, it may let all turns share an array that the loop declares.
+ * EACH_SURE tells it so, before loops that else get no vectors: what these declare has no array whose index is a
+ * variable, even of an unrolled loop. UNROLL stands before a loop of few turns inside of such a loop: gcc makes vectors
+ * of no loop that holds another. */
 #ifdef __clang__
-#define EACH_ALONE _Pragma("clang loop vectorize(assume_safety)")
+#define EACH_ALONE _Pragma("clang loop vectorize(enable)")
+#define EACH_SURE  _Pragma("clang loop vectorize(assume_safety)")
 #define UNROLL     _Pragma("clang loop unroll(full)")
 #else
 #define EACH_ALONE _Pragma("GCC ivdep")
+#define EACH_SURE  EACH_ALONE
 #define UNROLL     _Pragma("GCC unroll 8")
 #endif
 

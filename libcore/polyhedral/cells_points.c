@@ -77,6 +77,64 @@ void points_out_of_frames(const struct gas *g, struct points *p, double (*q)[BAT
     turn_vectors(p->n, g->dim, true, p->axis, q + 1);
 }
 
+KERNEL static void list_points(int n, int k, const int *restrict start, const double *restrict all, int *restrict point,
+                               double *restrict weight) {
+    for (int i = 0; i < n; i++) {
+        const int last = start[i + 1] - 1, here = start[i] + k;
+        point[i] = here < last ? here : last;
+    }
+    for (int i = 0; i < n; i++) weight[i] = all[point[i]];
+    for (int i = 0; i < n; i++) weight[i] = start[i + 1] - start[i] > k ? weight[i] : 0;
+}
+void points_list(const struct polyhedra *m, int first, int last, int k, struct point_states *s) {
+    const int n = last - first;
+    list_points(n, k, m->face.point_start + first, m->point.weight, s->point, s->weight);
+    for (int i = n; i < (n + 7) / 8 * 8; i++) {
+        s->point[i] = s->point[n - 1];
+        s->weight[i] = s->weight[n - 1];
+    }
+}
+
+ALWAYS_INLINE void add_line(const bool first, int n, const double *restrict w, const double *restrict q,
+                            double *restrict sum) {
+    for (int i = 0; i < n; i++) sum[i] = fma(w[i], q[i], first ? 0 : sum[i]);
+}
+ALWAYS_INLINE void add_all(const bool first, int n, int axes, int components, const double (*restrict normal)[BATCH],
+                           const struct point_states *restrict s, struct point_means *restrict sum) {
+    double part[BATCH], push[BATCH];
+    for (int i = 0; i < n; i++) part[i] = 0;
+    for (int k = 0; k < axes; k++)
+        for (int i = 0; i < n; i++) part[i] += s->velocity[k][i] * normal[k][i];
+    for (int i = 0; i < n; i++) {
+        part[i] *= s->weight[i];
+        push[i] = s->weight[i] * s->p[i];
+    }
+    add_line(first, n, s->weight, s->eps, sum->eps);
+    add_line(first, n, s->weight, s->c2, sum->c2);
+    add_line(first, n, s->weight, s->gruneisen, sum->gruneisen);
+    for (int v = 0; v < components + 2; v++) {
+        add_line(first, n, s->weight, s->at[v], sum->state[v]);
+        add_line(first, n, part, s->at[v], sum->flux[v]);
+    }
+    for (int k = 0; k < axes; k++) add_line(false, n, push, normal[k], sum->flux[k + 1]);
+    add_line(false, n, part, s->p, sum->flux[components + 1]);
+}
+KERNEL static void add_means(bool first, int n, int axes, int components, const double (*normal)[BATCH],
+                             const struct point_states *s, struct point_means *sum) {
+    if (first)
+        add_all(true, n, axes, components, normal, s, sum);
+    else
+        add_all(false, n, axes, components, normal, s, sum);
+}
+void points_add(const struct gas *g, const struct points *p, bool first, struct point_states *s,
+                struct point_means *sum) {
+    const struct gas_models *m = &g->models;
+    double *velocity[MAX_DIM] = {s->velocity[0], s->velocity[1], s->velocity[2]};
+    velocity_row(p->n, g->components, BATCH, s->at[0], velocity, s->eps);
+    m->eos->state(&m->material, p->n, s->at[0], s->eps, s->p, s->c2, s->gruneisen);
+    add_means(first, p->n, g->dim, g->components, (const double(*)[BATCH])p->axis[0], s, sum);
+}
+
 /* F_n = u_n U + p (0, 1, u_n) */
 KERNEL static void nodal_line(int n, int dim, long size, const double *restrict U, const double *restrict u,
                               const double *restrict p, double *restrict flux) {
@@ -108,27 +166,14 @@ void points_beyond(const struct gas *g, double (*inner)[BATCH], struct points *p
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][RIGHT], ghost[v], (size_t)p->n * sizeof(double));
 }
 
-/* Primitives and nodal fluxes of the states on both sides, and the batch of faces that a flux sees. */
-struct faces points_primitives(const struct gas *g, struct points *p) {
-    const struct gas_models *m = &g->models;
-    const long size = STENCIL * BATCH;
-    const int n = (p->n + 7) / 8 * 8; /* whole vectors, filled up with the last state */
+/* The batch of n faces that a flux sees. */
+static struct faces faces_of(const struct gas *g, int n, struct points *p) {
     struct faces f = {.n = n,
                       .dim = g->components,
                       .stride = BATCH,
                       .fastest = g->step.fastest[0],
                       .pace = p->pace,
                       .params = &g->models.flux_params};
-    for (int v = 0; v < g->nvar; v++)
-        for (int side = LEFT; side <= RIGHT; side++)
-            for (int i = p->n; i < n; i++) p->state[v][side][i] = p->state[v][side][p->n - 1];
-    for (int side = LEFT; side <= RIGHT; side++) {
-        double *velocity[MAX_DIM] = {p->velocity[0][side], p->velocity[1][side], p->velocity[2][side]};
-        velocity_row(n, g->components, size, p->state[0][side], velocity, p->eps[side]);
-        m->eos->state(&m->material, n, p->state[0][side], p->eps[side], p->p[side], p->c[side], p->gruneisen[side]);
-        root_row(n, p->c[side]);
-        nodal_line(n, g->components, size, p->state[0][side], p->velocity[0][side], p->p[side], p->flux[0][side]);
-    }
     for (int v = 0; v < g->nvar; v++) {
         f.state[v] = p->state[v][LEFT];
         f.flux[v] = p->flux[v][LEFT];
@@ -139,6 +184,43 @@ struct faces points_primitives(const struct gas *g, struct points *p) {
     f.c = p->c[LEFT];
     f.gruneisen = p->gruneisen[LEFT];
     return f;
+}
+
+struct faces points_primitives(const struct gas *g, struct points *p) {
+    const struct gas_models *m = &g->models;
+    const long size = STENCIL * BATCH;
+    const int n = (p->n + 7) / 8 * 8; /* whole vectors, filled up with the last state */
+    for (int v = 0; v < g->nvar; v++)
+        for (int side = LEFT; side <= RIGHT; side++)
+            for (int i = p->n; i < n; i++) p->state[v][side][i] = p->state[v][side][p->n - 1];
+    for (int side = LEFT; side <= RIGHT; side++) {
+        double *velocity[MAX_DIM] = {p->velocity[0][side], p->velocity[1][side], p->velocity[2][side]};
+        velocity_row(n, g->components, size, p->state[0][side], velocity, p->eps[side]);
+        m->eos->state(&m->material, n, p->state[0][side], p->eps[side], p->p[side], p->c[side], p->gruneisen[side]);
+        root_row(n, p->c[side]);
+        nodal_line(n, g->components, size, p->state[0][side], p->velocity[0][side], p->p[side], p->flux[0][side]);
+    }
+    return faces_of(g, n, p);
+}
+
+struct faces points_of_means(const struct gas *g, struct point_means mean[2], struct points *p) {
+    const int n = p->n;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        struct point_means *q = &mean[side - LEFT];
+        double *velocity[MAX_DIM] = {p->velocity[0][side], p->velocity[1][side], p->velocity[2][side]};
+        points_into_frames(g, p, q->state);
+        points_into_frames(g, p, q->flux);
+        velocity_row(n, g->components, BATCH, q->state[0], velocity, p->eps[side]);
+        root_row(n, q->c2);
+        for (int v = 0; v < g->nvar; v++) {
+            memcpy(p->state[v][side], q->state[v], sizeof q->eps);
+            memcpy(p->flux[v][side], q->flux[v], sizeof q->eps);
+        }
+        memcpy(p->eps[side], q->eps, sizeof q->eps);
+        memcpy(p->c[side], q->c2, sizeof q->eps);
+        memcpy(p->gruneisen[side], q->gruneisen, sizeof q->eps);
+    }
+    return faces_of(g, n, p);
 }
 
 /* Gives the batch the floors of its faces. */

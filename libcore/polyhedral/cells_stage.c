@@ -56,16 +56,20 @@ static void correct_states(const struct gas *g, int side, int from, const double
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
 }
 
-/* The states of the polynomials on one side of points from <= i < from + n. Fits keep states in the admissible set
- * (fit_keep): only round-off can move them out. */
-static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
-    const struct cells *c = g->cells;
-    double at[MAX_VAR][BATCH], *out[MAX_VAR];
-    for (int v = 0; v < g->nvar; v++) out[v] = at[v];
-    fit_points(c->fit, side, from, p->n, U, out);
-    if (g->models.material.threshold > 0 || c->rest ||
+/* Fits keep states in the admissible set (fit_keep): only round-off can move them out. */
+static void keep_states(const struct gas *g, int side, int from, const double *const *U, const struct points *p,
+                        double (*at)[BATCH]) {
+    if (g->models.material.threshold > 0 || g->cells->rest ||
         !all_sound(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])at))
         correct_states(g, side, from, U, p, at);
+}
+
+/* The states of the polynomials on one side of points from <= i < from + n. */
+static void side_states(const struct gas *g, int side, int from, const double *const *U, struct points *p) {
+    double at[MAX_VAR][BATCH], *out[MAX_VAR];
+    for (int v = 0; v < g->nvar; v++) out[v] = at[v];
+    fit_points(g->cells->fit, side, from, p->n, U, out);
+    keep_states(g, side, from, U, p, at);
     points_into_frames(g, p, at);
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
@@ -174,6 +178,49 @@ static void sum_fluxes(const struct gas *g, int first, int last, int from, const
     }
 }
 
+/* Is a flux found for each face, and not for each of its points? On two points of a line that gains too little for the
+ * noise that it adds behind shocks. */
+static bool whole_faces(const struct gas *g) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    return g->models.flux->means && m->dim > 2 && m->point.n > m->face.n && !g->cells->rest && !g->cells->round;
+}
+
+/* The means over the points of faces first <= i < last, on both sides. */
+static void find_means(const struct gas *g, int first, int last, const double *const *U, const struct points *p,
+                       struct point_means mean[2]) {
+    const int *start = g->cells->polyhedra->face.point_start;
+    struct point_states s;
+    double *out[MAX_VAR];
+    int most = 0;
+    for (int v = 0; v < g->nvar; v++) out[v] = s.at[v];
+    for (int i = first; i < last; i++) most = start[i + 1] - start[i] > most ? start[i + 1] - start[i] : most;
+    for (int k = 0; k < most; k++) {
+        points_list(g->cells->polyhedra, first, last, k, &s);
+        for (int side = 0; side < 2; side++) {
+            fit_faces(g->cells->fit, side, p->n, s.point, U, out);
+            keep_states(g, side, 0, U, p, s.at);
+            points_add(g, p, k == 0, &s, &mean[side]);
+        }
+    }
+}
+
+/* Fluxes through internal faces first <= i < last, at most BATCH: the waves are those of the mean states of the points,
+ * which the means of their fluxes pass. */
+static void mean_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
+    struct cells *c = g->cells;
+    struct point_means mean[2];
+    p->n = (last - first + 7) / 8 * 8; /* whole vectors, filled up with the last face */
+    for (int i = 0; i < p->n; i++) p->face[i] = first + i < last ? first + i : last - 1;
+    points_frames(c->polyhedra, p);
+    find_means(g, first, last, U, p, mean);
+    struct faces faces = points_of_means(g, mean, p);
+    if (cells_fronts_floor(g, p->n, p->face, p->floor)) points_floors(p, &faces);
+    g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
+    points_out_of_frames(g, p, p->out);
+    for (int v = 0; v < g->nvar; v++)
+        sum_single(last - first, c->polyhedra->face.area + first, p->out[v], c->flux[v] + first);
+}
+
 /* Fluxes through faces first <= i < last, whose points fit a batch; all of one patch, or all internal. */
 static void batch_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
     struct cells *c = g->cells;
@@ -197,6 +244,16 @@ static void batch_fluxes(const struct gas *g, int first, int last, const double 
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
     points_out_of_frames(g, p, p->out);
     sum_fluxes(g, first, last, from, p);
+}
+
+/* Finds the fluxes through those of the faces first <= i < last that follow rules, point by point. */
+static void ruled_fluxes(const struct gas *g, int first, int last, const double *const *U, struct points *p) {
+    unsigned char rule[BATCH];
+    int face[BATCH];
+    for (int i = first; i < last; i++) face[i - first] = i;
+    if (!g->cells->rules || !cells_rules_find(g, last - first, face, U, rule)) return;
+    for (int i = first; i < last; i++)
+        if (rule[i - first] != NO_RULE) batch_fluxes(g, i, i + 1, U, p);
 }
 
 /* Limits the fluxes through the n faces of p, all of one patch or all internal: each as a whole, between averages. */
@@ -270,12 +327,13 @@ static int wanted_end(const struct gas *g, int first, int last, int *from) {
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     const bool single = g->cells->polyhedra->point.n == f->n, bed = g->step.hybrid && !g->limits.flags.blocks[0];
     const struct idle idle = {bed && single ? g->dense->part[0] : NULL, bed ? NULL : fit_still(g->cells->fit)};
-    const bool some = idle.part || idle.still;
+    const bool some = idle.part || idle.still, whole = single || whole_faces(g);
     int end, n = 0;
     while (some && first < last && is_idle(&idle, f->left[first], f->right[first])) first++;
     *from = first;
-    if (single && !some) return first + BATCH < last ? first + BATCH : last;
-    for (end = first; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++) {
+    if (whole && !some) return first + BATCH < last ? first + BATCH : last;
+    for (end = first; end < last; end++) {
+        if ((whole ? end + 1 - first : f->point_start[end + 1] - f->point_start[first]) > BATCH) break;
         n = some && is_idle(&idle, f->left[end], f->right[end]) ? n + 1 : 0;
         if (n == IDLE) return end + 1 - IDLE;
     }
@@ -295,7 +353,12 @@ static void face_fluxes(struct gas *g, int first, int last, const double *const 
             for (end = first + 1; end < last && f->point_start[end + 1] - f->point_start[first] <= BATCH; end++)
                 if (f->patch[end - f->ninternal] != patch) break;
         if (first == end) continue;
-        batch_fluxes(g, first, end, U, &p);
+        if (patch < 0 && whole_faces(g)) {
+            mean_fluxes(g, first, end, U, &p);
+            ruled_fluxes(g, first, end, U, &p);
+        } else {
+            batch_fluxes(g, first, end, U, &p);
+        }
         if (g->limits.flags.blocks[0]) limit_run(g, first, end, U, &p);
         if (g->patches.fed && patch >= 0 && patch_feeds(&g->patches.rules[patch])) feed(g, first, end, U);
     }

@@ -64,7 +64,7 @@ struct wind { /* of a field q, u that of the states: part q +- alpha u comes fro
 ALWAYS_INLINE struct wind wind_at(double speed) {
     return (struct wind){speed >= 0 ? 0.5 : 1, speed >= 0 ? 0.5 * speed : 0, speed == UPWIND_RIGHT};
 }
-struct face_winds { /* members, no array: see EACH_ALONE */
+struct face_winds { /* members, no array: see EACH_SURE */
     struct wind minus, entropy, plus;
 };
 ALWAYS_INLINE struct wind wind_of(const int dim, const struct face_winds *w, int field) {
@@ -106,7 +106,7 @@ ALWAYS_INLINE void order(const int dim, const int pairs, const bool split, const
     }
     flux.q = q;
     state.q = u;
-    EACH_ALONE
+    EACH_SURE
     for (int i = 0; i < n; i++) {
         const int j = at + i;
         const struct eigenrows l = rows_at(dim, lb, j), r = two ? rows_at(dim, rb, j) : l;

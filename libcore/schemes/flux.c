@@ -619,7 +619,7 @@ void flux_rusanov(const struct faces *f, const struct eos *eos, const struct mat
 
 const struct flux flux_table[] = {
     {MODEL_WITH("common", "characteristic upwind on one eigenbasis a face", common_param), .through = common,
-     .ruled = true},
+     .means = true, .ruled = true},
     {MODEL("Marquina", "two bases at the reconstructed face states (Donat & Marquina 1996); unstable in dense gas"),
      .through = marquina},
     {MODEL("MarquinaStable", "Marquina's without the part that makes entropy: for dense gas, too"),
@@ -629,10 +629,11 @@ const struct flux flux_table[] = {
     {MODEL_WITH("MUSTA", "FORCE in stages towards Godunov's flux (Titarev & Toro 2004; Shakeri et al.)", musta_param),
      .through = flux_musta, .paced = true, .damps = true},
     {MODEL("LaxFriedrichs", "characteristic, every field split with the face's speed"), .through = local_lax_friedrichs,
-     .damps = true},
+     .means = true, .damps = true},
     {MODEL("globalLaxFriedrichs", "characteristic, every field split with the domain's largest speed"),
-     .through = global_lax_friedrichs, .damps = true},
-    {MODEL("Rusanov", "first order, the most robust (ignores reconstruct)"), .through = flux_rusanov, .damps = true},
+     .through = global_lax_friedrichs, .means = true, .damps = true},
+    {MODEL("Rusanov", "first order, the most robust (ignores reconstruct)"), .through = flux_rusanov, .means = true,
+     .damps = true},
 };
 const int flux_count = sizeof flux_table / sizeof *flux_table;
 

@@ -50,6 +50,7 @@ struct flux {
                     const struct reconstruct *r);
     bool paced; /* does it depend on the time step? */
     bool damps; /* does it damp jumps of gas at rest? */
+    bool means; /* are `state` in differences alone? Then means over the points of a face, and those of `flux`, serve */
     bool ruled; /* has it rules for single faces (flux_rules.h)? */
 };
 

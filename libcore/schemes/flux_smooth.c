@@ -154,7 +154,7 @@ ALWAYS_INLINE void smooth_dim(const int dim, const struct faces *f, const double
     double *restrict o0 = f->out[0], *restrict o1 = f->out[1], *restrict oe = f->out[dim + 1];
     double *restrict o2 = dim > 1 ? f->out[2] : o0, *restrict o3 = dim > 2 ? f->out[3] : o0;
     const long s = f->stride;
-    EACH_ALONE
+    EACH_SURE
     for (int i = 0; i < x.n; i++) {
         const double ul = x.velocity[0][i], ur = x.velocity[0][i + s], cl = x.c[i], cr = x.c[i + s];
         const struct face_basis b = basis_of(dim, &x, i);

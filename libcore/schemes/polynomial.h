@@ -70,8 +70,8 @@ void fit_cells(struct fit *f, int from, int to, const double *const *U);
 status fit_hold(struct fit *f);
 /* Fits the cells with due[nnear]; all others keep their values. */
 void fit_due(struct fit *f, const bool *due, const double *const *U);
-/* Copies values at the points of n faces, n <= BATCH, of one point each, as fit_points does. */
-void fit_faces(const struct fit *f, int side, int n, const int *face, const double *const *U, double *const *out);
+/* Copies values at n <= BATCH points, as fit_points does. */
+void fit_faces(const struct fit *f, int side, int n, const int *point, const double *const *U, double *const *out);
 /* Copies values at the face points from <= i < from + n, n <= BATCH, in the cells on side 0 (left) or 1 (right; not for
  * boundary faces), to out[v][n]. */
 void fit_points(const struct fit *f, int side, int from, int n, const double *const *U, double *const *out);

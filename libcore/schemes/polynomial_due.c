@@ -4,13 +4,16 @@
 
 #include <string.h>
 
-KERNEL static void gather_faces(int n, const int *restrict face, const int *restrict place, const double *restrict from,
-                                double *restrict to) {
-    for (int i = 0; i < n; i++) to[i] = from[place[face[i]]];
+KERNEL static void list_places(int n, const int *restrict point, const int *restrict place, int *restrict out) {
+    for (int i = 0; i < n; i++) out[i] = place[point[i]];
 }
-void fit_faces(const struct fit *f, int side, int n, const int *face, const double *const *U, double *const *out) {
-    for (int v = 0; v < f->nvar; v++)
-        gather_faces(n, face, f->place[side], f->kind->cells ? f->value + v * f->nvalues : U[v], out[v]);
+KERNEL static void take_places(int n, const int *restrict place, const double *restrict from, double *restrict to) {
+    for (int i = 0; i < n; i++) to[i] = from[place[i]];
+}
+void fit_faces(const struct fit *f, int side, int n, const int *point, const double *const *U, double *const *out) {
+    int place[BATCH];
+    list_places(n, point, f->place[side], place);
+    for (int v = 0; v < f->nvar; v++) take_places(n, place, f->kind->cells ? f->value + v * f->nvalues : U[v], out[v]);
 }
 
 static long numbers_of(const struct fit *f, int batch) {
