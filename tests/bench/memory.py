@@ -52,12 +52,13 @@ Physical Surface("sides") = {1, b[0]};   Physical Volume("gas") = {b[1]};
 """
 
 
-def by_gmsh(case, geometry, dim, patches, form, programs):
-    """Replaces the mesh of a case by one of gmsh; returns what gmshToCase says."""
+def by_gmsh(case, geometry, dim, patches, form, programs, cut=0):
+    """Replaces the mesh of a case by one of gmsh, whose cells are cut into halves along each axis `cut` times; returns what gmshToCase says."""
     geo, msh = os.path.join(case, "mesh.geo"), os.path.join(case, "mesh.msh")
     with open(geo, "w") as f:
         f.write(geometry)
-    subprocess.run(["gmsh", f"-{dim}", "-v", "2", "-bin", geo, "-o", msh], check=True)
+    for words in ([f"-{dim}", geo], *cut * (["-refine", msh],)):
+        subprocess.run(["gmsh", *words, "-v", "2", "-bin", "-o", msh], check=True)
     os.remove(os.path.join(case, "system", "blockMeshDict"))
     with open(os.path.join(case, "system", "meshDict"), "w") as f:
         f.write('FoamFile { version 2.0; format ascii; class dictionary; object meshDict; }\n'
@@ -78,9 +79,9 @@ def boxes_of(program, case, n, form, programs):
     os.remove(os.path.join(case, "system", "blockMeshDict"))
 
 
-def triangles(case, n, form, programs):
-    """Replaces the mesh of a case by about n triangles; returns how many there are."""
-    said = by_gmsh(case, SQUARE % (4 / (3 ** 0.5 * n)) ** 0.5, 2, "back { type empty; } front { type empty; }", form, programs)
+def triangles(case, n, form, programs, cut=0):
+    """Replaces the mesh of a case by about n triangles, each a 4^cut-th of one by gmsh, which takes long for many; returns how many there are."""
+    said = by_gmsh(case, SQUARE % (4 ** (cut + 1) / (3 ** 0.5 * n)) ** 0.5, 2, "back { type empty; } front { type empty; }", form, programs, cut)
     for name in ("rho", "p", "U"):
         path = os.path.join(case, "0.orig", name)
         with open(path) as f:
