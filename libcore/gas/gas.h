@@ -111,8 +111,7 @@ status gas_make_polyhedral(const struct grid *grid, const struct gas_models *mod
 /* What the models have that time scheme `local` is not there for (docs/physics.md 7.1), and what to say in the case
  * instead (*cure; NULL: nothing). NULL: no such thing, or another scheme. fed: does a patch feed mass? Both makers
  * above fail with it. */
-const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool round, int components, bool fed,
-                            const char **cure);
+const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool round, bool fed, const char **cure);
 void gas_free(struct gas *g);
 int gas_variables(const struct gas *g); /* 2 + components of u */
 

@@ -346,15 +346,15 @@ struct cold_search { /* context of find_falling_row */
 static void find_falling_row(void *falling, const struct row *row) {
     const struct cold_search *f = falling;
     const struct gas *g = f->g;
-    const double *U = f->s->block[row->block] + row->at, *part = g->dense->part[row->block] + row->at;
+    const double *U = f->s->block[row->block] + row->at, *part = g->dense ? g->dense->part[row->block] + row->at : NULL;
     double velocity[MAX_DIM][BATCH], eps[BATCH], *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
     double *falls = g->falling.cells[row->block] + row->at;
     if (f->warm >= 0) velocity_row(row->n, g->components, g->size, U, u, eps);
     for (int i = 0; i < row->n; i++) {
         if (f->warm < 0)
-            falls[i] = part[i] > 0 ? 0 : falls[i];
+            falls[i] = part && part[i] > 0 ? 0 : falls[i];
         else
-            falls[i] = eps[i] < f->warm && part[i] < BED_FROZEN ? 1 : 0;
+            falls[i] = eps[i] < f->warm && !(part && part[i] >= BED_FROZEN) ? 1 : 0;
         g->falling.blocks[row->block] |= falls[i] > 0;
     }
 }

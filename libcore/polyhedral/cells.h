@@ -160,10 +160,11 @@ void cells_weigh(const struct gas *g, bool inner, double *const U[MAX_VAR]);
 /* Does what gas_rest promises. Collective. */
 status cells_rest(struct gas *g, const bool *rests);
 void cells_rest_free(struct cells_rest *r);
-/* Finds how near the cells from <= i < to (<= nnear) of U are to the state at rest, for the calls below. */
-void cells_rest_find(const struct gas *g, int from, int to, const double *const *U);
-/* Adds to n states of polynomials at points from <= i < from + n, in cells cell[n], what fit_rest leaves out. */
-void cells_rest_add(const struct gas *g, int from, int n, const int *cell, double (*at)[BATCH]);
+/* Finds how near the cells from <= i < to (<= nnear) of U are to the state at rest, for the calls below; due: those
+ * where it is true alone, or NULL. */
+void cells_rest_find(const struct gas *g, int from, int to, const double *const *U, const bool *due);
+/* Adds to n states of polynomials at points point[n], in cells cell[n], what fit_rest leaves out. */
+void cells_rest_add(const struct gas *g, const int *point, int n, const int *cell, double (*at)[BATCH]);
 /* Notes the states on one side of these points, while the state at rest is being found: the left (0) side comes first.
  */
 void cells_rest_note(const struct gas *g, int side, int from, int n, const int *face, double (*at)[BATCH]);
@@ -171,6 +172,12 @@ void cells_rest_note(const struct gas *g, int side, int from, int n, const int *
  * gravity. */
 void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, const double *flag,
                       double *const residual[MAX_VAR]);
+
+/* Adds share[n] of that to momentum[dim][n] in local steps, and notes it with the weight per * share: what is noted is
+ * forgotten when these begin. */
+void cells_rest_push(const struct gas *g, int at, int n, const double *share, double per,
+                     double *const momentum[MAX_DIM]);
+void cells_rest_forget(const struct gas *g);
 
 /* What the last stage added, if fluxes through patches are kept: along an axis, out[nown] N/m^dim, less the part that
  * walls carry; and that part, the pressure that a wall's face has beyond the flux there (Pa, subtracted from it). */

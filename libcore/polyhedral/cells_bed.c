@@ -117,7 +117,7 @@ void cells_bed_balance(struct gas *g, const struct state *from) {
     bed->balanced = g->cells->rest != NULL;
     if (!bed->balanced) return;
     cells_lines(g, from, U);
-    cells_rest_find(g, 0, m->nnear, (const double *const *)U);
+    cells_rest_find(g, 0, m->nnear, (const double *const *)U, NULL);
     for (int f = 0; f < bed->faces; f++)
         for (int side = 0; side < 2; side++) {
             const int face = bed->shape[f], cell = side ? m->face.right[face] : m->face.left[face];

@@ -6,7 +6,8 @@
  * R_i. A face passes one flux in a step of its faster cell, of the states on both sides in the middle of that step: so
  * the scheme is of second order. The faster cell takes what has passed at once, the slower one at the end of its step,
  * so that sums over the domain do not change. In steady flow R is 0, and the result does not depend on the steps. A
- * stencil that reads a slower cell amid its step sees the average U_i + (t - t_i) R_i.
+ * stencil that reads a slower cell amid its step sees the average U_i + (t - t_i) R_i. Gravity is a part of R_i, and
+ * acts at the end of a step with the mean of both states.
  *
  * Levels follow from the state and the step alone, cell by cell, so that a restart, and any number of ranks, has the
  * same bits. Fits go by batches of LANES cells: where only some of them begin a step, the others keep their values
@@ -284,6 +285,11 @@ static void states_at(const struct local_walk *w, int side, double t, struct poi
     double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], theta[BATCH], *out[MAX_VAR];
     for (int v = 0; v < g->nvar; v++) out[v] = at[v];
     fit_faces(g->cells->fit, side, p->n, p->face, (const double *const *)w->U, out);
+    if (g->cells->rest) {
+        int cell[BATCH];
+        points_cells(p->n, p->face, side ? g->cells->polyhedra->face.right : g->cells->polyhedra->face.left, cell);
+        cells_rest_add(g, p->face, p->n, cell, at);
+    }
     side_rises(w, side, t, p, average, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     points_into_frames(g, p, at);
@@ -336,7 +342,13 @@ static int fluxes_at(const struct local_walk *w, int first, int last, double t, 
 
 /* ---- the step ---------------------------------------------------------------------------------------------------- */
 
-/* Finds the averages now, mirrors of cells that begin a step included. */
+/* How many cells the chunk that begins at a cell has. */
+static int chunk_cells(const struct gas *g, int at) {
+    const int left = g->cells->polyhedra->nown - at;
+    return left < BATCH ? left : BATCH;
+}
+
+/* Finds the averages now, mirrors of cells that begin a step included; all of them where some carry weight. */
 static void look_around(struct local_walk *w, int k) {
     const struct gas *g = w->g;
     const struct cells_local *l = w->l;
@@ -347,6 +359,11 @@ static void look_around(struct local_walk *w, int k) {
         if (l->level[i] >= k) l->start[i] = w->t;
     for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < m->ncells; i++) w->now[v][i] = w->U[v][i] + (w->t - l->start[i]) * l->rise[v][i];
+    if (g->cells->weight) {
+        cells_mirrors(g, 0, m->mirror.n, w->now);
+        for (int inner = 1; inner >= 0; inner--) cells_weigh(g, inner, w->now);
+        return;
+    }
     for (int from = 0, to; from < m->mirror.n; from = to) {
         to = from + 1;
         if (l->level[m->mirror.cell[from]] < k) continue;
@@ -361,7 +378,26 @@ static void begin_cells(struct local_walk *w, int k) {
     const int nnear = w->g->cells->polyhedra->nnear;
     look_around(w, k);
     for (int i = 0; i < nnear; i++) l->due[i] = l->level[i] >= k;
+    if (w->g->cells->rest) cells_rest_find(w->g, 0, nnear, (const double *const *)w->now, l->due);
     fit_due(w->g->cells->fit, l->due, (const double *const *)w->now);
+}
+
+/* Adds gravity, and the force that balances gas at rest, to the rises of the cells of a chunk from level k on. */
+static void pull_chunk(const struct local_walk *w, int at, int k, double (*rise)[BATCH]) {
+    const struct gas *g = w->g;
+    const int n = chunk_cells(g, at);
+    double share[BATCH], *momentum[MAX_DIM];
+    if (!g->falling.cells) return;
+    for (int i = 0; i < n; i++) share[i] = w->l->level[at + i] >= k ? 1 : 0;
+    for (int d = g->components - 1; d >= 0; d--) {
+        const double pull = g->falling.gravity[d];
+        momentum[d] = rise[d + 1];
+        for (int i = 0; i < n; i++) {
+            rise[d + 1][i] += w->U[0][at + i] * pull;
+            rise[energy_at(g)][i] += w->U[d + 1][at + i] * pull;
+        }
+    }
+    if (g->cells->rest) cells_rest_push(g, at, n, share, 0, momentum);
 }
 
 /* Finds the rises of the cells from level k on. */
@@ -369,19 +405,22 @@ static void find_rises(struct local_walk *w, int k) {
     struct gas *g = w->g;
     struct cells_local *l = w->l;
     struct polyhedra *m = g->cells->polyhedra;
-    double *const *flux = g->cells->flux, sum[BATCH];
+    double *const *flux = g->cells->flux, sum[MAX_VAR][BATCH];
     struct points p;
     for (int at = l->first[k], n; at < m->face.n; at += n) {
         n = fluxes_at(w, at, m->face.n, w->t, &p);
         for (int v = 0; v < g->nvar; v++)
             for (int i = 0; i < n; i++) flux[v][p.face[i]] = m->face.area[p.face[i]] * p.out[v][i];
     }
-    for (int at = 0; at < m->nown; at += BATCH)
-        for (int v = 0; v < g->nvar && l->chunk[at / BATCH] >= k; v++) {
-            cells_sides_sum(g->cells, at, (const double(*)[BATCH])l->weight, flux[v], flux[v], sum);
+    for (int at = 0; at < m->nown; at += BATCH) {
+        if (l->chunk[at / BATCH] < k) continue;
+        for (int v = 0; v < g->nvar; v++)
+            cells_sides_sum(g->cells, at, (const double(*)[BATCH])l->weight, flux[v], flux[v], sum[v]);
+        pull_chunk(w, at, k, sum);
+        for (int v = 0; v < g->nvar; v++)
             for (int i = at; i < at + BATCH && i < m->nown; i++)
-                if (l->level[i] >= k) l->rise[v][i] = sum[i - at];
-        }
+                if (l->level[i] >= k) l->rise[v][i] = sum[v][i - at];
+    }
     polyhedra_fill_start(m, g->nvar, l->rise);
     polyhedra_fill_finish(m);
 }
@@ -408,18 +447,48 @@ static void pass_faces(struct local_walk *w, int k) {
     }
 }
 
+/* Adds to what the cells of a chunk from level k on gain in their steps what gravity does at the mean of their states
+ * before and behind: the work is then that of the momentum gained, so that gas that falls freely keeps its T. Notes it
+ * for the budget. */
+static void drop_chunk(const struct local_walk *w, int at, int k, double (*sum)[BATCH]) {
+    const struct gas *g = w->g;
+    const int n = chunk_cells(g, at), last = energy_at(g);
+    double share[BATCH], rho[BATCH], work[BATCH], pushed[MAX_DIM][BATCH] = {{0}}, *push[MAX_DIM];
+    if (!g->falling.cells) return;
+    for (int i = 0; i < n; i++) {
+        const int level = w->l->level[at + i];
+        share[i] = level >= k ? w->l->dt[level] : 0;
+        rho[i] = w->U[0][at + i] + 0.5 * sum[0][i];
+        work[i] = 0;
+    }
+    for (int d = 0; d < g->components; d++) push[d] = pushed[d];
+    if (g->cells->rest) cells_rest_push(g, at, n, share, 1 / w->l->dt[0], push);
+    for (int d = g->components - 1; d >= 0; d--)
+        for (int i = 0; i < n; i++) {
+            const double kick = share[i] * g->falling.gravity[d];
+            sum[d + 1][i] += rho[i] * kick + pushed[d][i];
+            work[i] += kick * (w->U[d + 1][at + i] + 0.5 * sum[d + 1][i]);
+        }
+    for (int i = 0; i < n; i++) {
+        sum[last][i] += work[i];
+        g->falling.dropped[at + i] += work[i];
+        if (g->falling.denser) g->falling.denser[at + i] += share[i] * rho[i];
+    }
+}
+
 /* Ends the steps of the cells of a chunk from level k on. */
 static void end_chunk(struct local_walk *w, int at, int k) {
     struct gas *g = w->g;
     const struct cells_local *l = w->l;
-    const int nown = g->cells->polyhedra->nown, n = nown - at < BATCH ? nown - at : BATCH;
-    double sum[BATCH], before[BATCH];
+    const int n = chunk_cells(g, at);
+    double sum[MAX_VAR][BATCH], before[BATCH];
     memcpy(before, w->U[0] + at, (size_t)n * sizeof *before);
-    for (int v = 0; v < g->nvar; v++) {
-        cells_sides_sum(g->cells, at, (const double(*)[BATCH])l->weight, l->passed[0][v], l->passed[1][v], sum);
+    for (int v = 0; v < g->nvar; v++)
+        cells_sides_sum(g->cells, at, (const double(*)[BATCH])l->weight, l->passed[0][v], l->passed[1][v], sum[v]);
+    drop_chunk(w, at, k, sum);
+    for (int v = 0; v < g->nvar; v++)
         for (int i = 0; i < n; i++)
-            if (l->level[at + i] >= k) w->U[v][at + i] += sum[i];
-    }
+            if (l->level[at + i] >= k) w->U[v][at + i] += sum[v][i];
     w->count += row_limited(g, n, before, w->U[0] + at, g->limits.flags.cells[0] + at);
 }
 
@@ -454,6 +523,8 @@ long cells_local(struct gas *g, const struct state *from, const struct state *to
     for (int i = 0; i < m->size; i++) l->start[i] = 0;
     for (int v = 0; v < g->nvar; v++) /* an attempt that failed may have left NaN, and 0 times NaN is none */
         memset(l->rise[v], 0, (size_t)m->size * sizeof(double));
+    drop_begin(g);
+    if (c->rest) cells_rest_forget(g);
     for (int s = 0; s < 1 << (l->n - 1); s++) short_step(&w, s);
     for (int v = 0; v < g->nvar; v++)
         for (int i = m->face.ninternal; i < m->face.n; i++) c->flux[v][i] = l->passed[1][v][i] / dt;

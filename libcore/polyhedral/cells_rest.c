@@ -74,7 +74,7 @@ void cells_rest_free(struct cells_rest *r) {
     free(r);
 }
 
-void cells_rest_find(const struct gas *g, int from, int to, const double *const *U) {
+void cells_rest_find(const struct gas *g, int from, int to, const double *const *U, const bool *due) {
     struct cells_rest *r = g->cells->rest;
     double velocity[MAX_DIM][BATCH], eps[BATCH], p[BATCH], c[BATCH], gruneisen[BATCH];
     double *u[MAX_DIM] = {velocity[0], velocity[1], velocity[2]};
@@ -84,6 +84,7 @@ void cells_rest_find(const struct gas *g, int from, int to, const double *const 
         g->models.eos->state(&g->models.material, n, U[0] + at, eps, p, c, gruneisen);
         if (r->finds == VALUES) memcpy(r->p + at, p, (size_t)n * sizeof *p);
         for (int i = 0; i < n; i++) {
+            if (due && !due[at + i]) continue;
             const double rho = r->U[0][at + i], off = fabs(U[0][at + i] - rho) / rho;
             const double away = larger(off, fabs(p[i] - r->p[at + i]) / r->p[at + i]);
             const bool none = r->finds == VALUES || !r->rests[at + i];
@@ -92,13 +93,13 @@ void cells_rest_find(const struct gas *g, int from, int to, const double *const 
     }
 }
 
-void cells_rest_add(const struct gas *g, int from, int n, const int *cell, double (*at)[BATCH]) {
+void cells_rest_add(const struct gas *g, const int *point, int n, const int *cell, double (*at)[BATCH]) {
     const struct cells_rest *r = g->cells->rest;
     for (int v = 0; v < 2; v++) {
         double *q = at[v * energy_at(g)];
         for (int i = 0; i < n; i++) {
             const double w = r->near[cell[i]];
-            q[i] = (q[i] - w * r->U[v][cell[i]]) + w * r->at[v][from + i];
+            q[i] = (q[i] - w * r->U[v][cell[i]]) + w * r->at[v][point[i]];
         }
     }
 }
@@ -143,6 +144,18 @@ void cells_rest_weigh(const struct gas *g, int at, int n, const double *falls, c
             residual[k + 1][i] += out ? 0 : r->near[at + i] * r->force[k][at + i];
             if (g->books.tally) r->taken[at + i] = out || is_beds(g, at + i) ? 0 : r->near[at + i];
         }
+}
+
+void cells_rest_push(const struct gas *g, int at, int n, const double *share, double per,
+                     double *const momentum[MAX_DIM]) {
+    const struct cells_rest *r = g->cells->rest;
+    for (int k = 0; k < g->dim; k++)
+        for (int i = 0; i < n; i++) momentum[k][i] += share[i] * (r->near[at + i] * r->force[k][at + i]);
+    for (int i = 0; i < n; i++) r->taken[at + i] += per * share[i] * r->near[at + i];
+}
+
+void cells_rest_forget(const struct gas *g) {
+    memset(g->cells->rest->taken, 0, (size_t)g->cells->polyhedra->nown * sizeof(double));
 }
 
 double cells_rest_miss(const struct gas *g, int face, int cell, double fall) {

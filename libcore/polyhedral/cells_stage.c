@@ -47,11 +47,12 @@ static void correct_states(const struct gas *g, int side, int from, const double
     const struct cells *c = g->cells;
     const int *of_face = side ? c->polyhedra->face.right : c->polyhedra->face.left;
     double average[MAX_VAR][BATCH], theta[BATCH];
-    int cell[BATCH];
+    int cell[BATCH], point[BATCH];
+    for (int i = 0; i < p->n; i++) point[i] = from + i;
     points_cells(p->n, p->face, of_face, cell);
     for (int v = 0; v < g->nvar; v++) points_gather(p->n, cell, U[v], average[v]);
     if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
-    if (c->rest) cells_rest_add(g, from, p->n, cell, at);
+    if (c->rest) cells_rest_add(g, point, p->n, cell, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
 }
@@ -489,7 +490,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     polyhedra_fill_start(m, g->nvar, line);
     cells_mirrors(g, 0, own_mirrors, line);
     cells_weigh(g, true, line);
-    if (c->rest) cells_rest_find(g, 0, m->nown, U);
+    if (c->rest) cells_rest_find(g, 0, m->nown, U, NULL);
     if (c->rules) {
         cells_rules_note(g, 0, m->nown, U);
         cells_rules_note(g, m->ncells, m->ncells + own_mirrors, U);
@@ -500,7 +501,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
     cells_weigh(g, false, line);
-    if (c->rest) cells_rest_find(g, m->nown, m->nnear, U);
+    if (c->rest) cells_rest_find(g, m->nown, m->nnear, U, NULL);
     if (c->rules) {
         cells_rules_note(g, m->nown, m->ncells, U);
         cells_rules_note(g, m->ncells, m->size, U);

@@ -22,7 +22,7 @@ const struct stepper stepper_table[] = {
     {MODEL("Euler", "one stage, first order, maxCo up to 1; admissible by theorem to 0.5"), .stages = 1, .courant = 1,
      .b = ALL(1)},
     {MODEL("local", "each cell takes steps of its own in powers of two, second order, maxCo up to 1; polyhedra with "
-                    "linear or firstOrder, no gravity"),
+                    "linear or firstOrder"),
      .stages = 1, .local = true, .courant = 1, .b = ALL(1)},
 };
 const int stepper_count = sizeof stepper_table / sizeof *stepper_table;

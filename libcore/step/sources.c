@@ -6,9 +6,10 @@
  * cell takes half of that square from its eps, so that at most 1/8 of eps is lost. */
 static const double WARM = 4;
 
-/* Returns the eps above which cells are warm. */
+/* Returns the eps above which cells are warm: local steps cool none that fall. */
 static double warm_of(const struct gas *g, const struct attempt *a) {
     double gravity[MAX_DIM], square = 0;
+    if (a->stepper->local) return 0;
     source_gravity(&g->models.source, a->t, a->dt, gravity);
     for (int k = 0; k < g->components; k++) {
         const double gained = a->dt * gravity[k];
@@ -93,10 +94,11 @@ const struct part sources_part = {"sources", are_there, sources_begin, NULL, sou
 
 void sources_kick(struct gas *g, const struct attempt *a, bool second, const struct state *s) {
     struct source_plan plan;
-    if (!g->falling.cells || g->dense->alone) return;
+    if (!g->falling.cells || (g->dense && g->dense->alone)) return;
     plan_all(g, a, second, &plan);
     source_plan_part(&plan, true);
     if (!second) forget_falling(g);
     find_falling(g, second ? -1 : warm_of(g, a), s);
     (void)apply_plan(g, &plan, s, s);
+    if (second && !g->dense) forget_falling(g);
 }

@@ -185,7 +185,10 @@ static bool by_stages(struct gas *g, const struct attempt *a) {
         n = ceil(left * rate_of(g, part.U0) / a->maxCo);
         if (!(n < MOST_STEPS)) return false;
         part.dt = n > 1 ? left / n : left;
+        sources_kick(g, &part, false, part.U0);
         if (!short_step(g, &part)) return false;
+        books_part(g, GAS_FLOW, &g->V);
+        sources_kick(g, &part, true, &g->V);
         part.t += part.dt;
         swap_states(&g->U0, &g->V);
         part.U0 = &g->U0;
@@ -198,7 +201,6 @@ static bool by_stages(struct gas *g, const struct attempt *a) {
  * step is done again, and a guarded one by stages. So the bits do not depend on the guard. If the stages fail, too, a
  * shorter step follows. */
 static bool local_steps(struct gas *g, struct attempt *a, const struct stage_now *s) {
-    books_stage(g, s->from, s->part * s->dt);
     const long found = g->engine->stage.local(g, s->from, &g->W, s->dt);
     if (!a->guarded)
         a->bad += found;
@@ -206,6 +208,7 @@ static bool local_steps(struct gas *g, struct attempt *a, const struct stage_now
         flags_clear(g);
         return by_stages(g, a);
     }
+    books_limited(g, 1);
     books_staged(g, s->part * s->dt);
     return true;
 }

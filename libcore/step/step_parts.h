@@ -70,7 +70,8 @@ void stages_pass(struct gas *g, struct attempt *a, int number);
 /* Plans the sources, in a step with a bed without gravity, over the first half of the step or over the second half, in
  * which they act backwards. */
 void sources_plan(const struct gas *g, const struct attempt *a, bool second, struct source_plan *out);
-/* Lets gravity act over a half step on cells that fall freely, beside a bed: the first time these are found. */
+/* Lets gravity act over a half step on cells that fall freely, beside a bed or where stages do a local step: the first
+ * time these are found. */
 void sources_kick(struct gas *g, const struct attempt *a, bool second, const struct state *s);
 
 #endif

@@ -454,8 +454,8 @@ static bool any_feeds(const struct setup *s, const struct patch_rules *rules) {
 }
 
 status models_local(const struct setup *s, const struct case_models *m, const struct patch_rules *rules) {
-    const char *cure, *what = gas_local_lacks(&m->gas, s->grid->polyhedra != NULL, s->mesh->round.on, s->components,
-                                              any_feeds(s, rules), &cure);
+    const char *cure,
+        *what = gas_local_lacks(&m->gas, s->grid->polyhedra != NULL, s->mesh->round.on, any_feeds(s, rules), &cure);
     if (!what) return OK;
     return dict_fail(m->schemes, "timeScheme", "local is not there for %s: %s%ssay  timeScheme SSPRK43;", what,
                      cure ? cure : "", cure ? ", or " : "");

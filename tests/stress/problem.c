@@ -354,7 +354,6 @@ bool problem_spare(struct problem *p) {
     p->acoustics = NULL;
     p->friction = NULL;
     p->material.threshold = 0;
-    memset(p->source.gravity, 0, sizeof p->source.gravity);
     for (int i = 0; i < 6; i++) {
         if (!p->transport) p->wall[i].velocity = NULL;
         if (gate_feeds(&p->gate[i])) p->gate[i].velocity = "fixedValue";

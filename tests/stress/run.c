@@ -389,9 +389,9 @@ static double booked(const struct gas_budget *b) {
     return most;
 }
 
-/* Beds are judged by their mass between walls, and by the energy that their own budget cannot account for, beside the
- * largest energy there was or that the budget booked. Four stages of the flow, some sixteen of diffusion, and a bed's
- * acoustics and remap round it about ten times each in a step. */
+/* Beds, and gas that falls in local steps, are judged by their mass between walls, and by the energy that their own
+ * budget cannot account for, beside the largest energy there was or that the budget booked. Four stages of the flow,
+ * some sixteen of diffusion, and a bed's acoustics and remap round it about ten times each in a step. */
 enum { BED_ROUNDINGS = 256 };
 /* Stress is elastic below its yield: what friction gives back it took before, but for that. */
 #define MOST_RUBBED 0.1
@@ -441,12 +441,17 @@ static bool is_open(const struct problem *p) {
     return p->radial >= 0 && p->edge == OPEN_ENDED;
 }
 
+/* Is it judged by the budget of the gas? */
+static bool has_budget(const struct scene *s) {
+    return watch_by_steps(s->gas) || is_open(s->problem);
+}
+
 static void judge(const struct scene *s, const struct run_options *o, const struct watch *w, struct outcome *out) {
     char why[200];
     if (out->verdict == COLLAPSED && !may_collapse(s->problem, out)) out->verdict = FAILED;
     if (out->verdict == STATED && !s->problem->stated) out->verdict = FAILED;
     if (o->bare || comm_size(s->comm) > 1 || out->verdict == FAILED) return;
-    if (s->gas->dense || is_open(s->problem)) {
+    if (has_budget(s)) {
         judge_bed(s, w, out);
         return;
     }
@@ -596,7 +601,7 @@ static status run(struct scene *s, const struct scheme *scheme, const struct run
     TRY(fill(s, &out->packed_at_first));
     TRY(gas_check(s->gas));
     if (!o->bare) TRY(watch_start(&w, s->gas));
-    if (!o->bare && (dilates(s) || s->gas->dense || is_open(s->problem))) TRY(gas_audit(s->gas));
+    if (!o->bare && (dilates(s) || has_budget(s))) TRY(gas_audit(s->gas));
     status e = advance(s, scheme, o, &w, out);
     status ended = look_at_end(s, o->keep, out);
     out->cells = s->cells;

@@ -453,6 +453,10 @@ static long watched_end(struct gas *g, enum diffusing what, const struct state *
     return w->inner->diffusion.end(g, what, Y0, to, dt, weight);
 }
 
+bool watch_by_steps(const struct gas *g) {
+    return g->dense || (g->models.stepper->local && g->falling.cells);
+}
+
 status watch_start(struct watch *w, struct gas *g) {
     *w = (struct watch){.engine = *g->engine, .inner = g->engine};
     TRY(allocate(&w->before, (long)MAX_VAR * cells_of_mesh(g), sizeof *w->before, "the watch"));
@@ -460,7 +464,7 @@ status watch_start(struct watch *w, struct gas *g) {
     w->flagged = w->falls + cells_of_mesh(g);
     tally(w, g);
     memcpy(w->budget.start, w->budget.now, sizeof w->budget.now);
-    if (g->dense) return OK; /* the states of its stages are no results */
+    if (watch_by_steps(g)) return OK;
     w->engine.stage.stage = watched_stage;
     w->engine.stage.redo = watched_redo;
     w->engine.stage.ends = false; /* stages.c then leaves the sources by themselves; the bits are the same */
@@ -479,7 +483,7 @@ static bool lifts_much(struct watch *w, const struct gas *g, double lift, double
 }
 
 bool watch_step_finish(struct watch *w, struct gas *g) {
-    if (g->dense) w->bad = 0;
+    if (watch_by_steps(g)) w->bad = 0;
     look_on(w, g, &g->U);
     if (w->bad) return false;
     w->source = fmax(w->source, w->trial);

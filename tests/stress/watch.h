@@ -32,6 +32,8 @@ struct watch {
     char why[200];
 };
 
+/* Are the states of its stages no results, or are there none? Then it is looked at after each step. */
+bool watch_by_steps(const struct gas *g);
 /* Between gas_set and the first step; g's engine from now on is w's. */
 status watch_start(struct watch *w, struct gas *g);
 /* After every gas_step: false if a state of the accepted attempt was not admissible (see why). */

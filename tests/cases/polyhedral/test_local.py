@@ -10,12 +10,15 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
+from tests.cases.polyhedral import test_rest
 from tests.cases.runtime import test_forces as forces
 
 N, SIZE = (40, 30, 1), (4.0, 3.0, 0.1)
 
 
 class Local(harness.Folder, unittest.TestCase):
+    gmsh, shear, layer = test_rest.Rest.gmsh, test_rest.Rest.shear, test_rest.Rest.bed
+
     def make(self, name, engine="polyhedral", scheme="linear", stepper="local", **options):
         """Gas that cools, hot in a spot, on a lattice as polyhedra, between open sides."""
         at = boxes.centres(N, SIZE)
@@ -41,6 +44,12 @@ class Local(harness.Folder, unittest.TestCase):
         runs.same(self, *(runs.contents(os.path.join(c, "0.06")) for c in (case, part)))
         budget = forces.columns(case, "budget", "energyBudget.dat")
         self.assertLess(np.abs(budget["residual"]).max(), 1e-12 * np.abs(budget["cooling"]).max())
+        self.check_momentum(case)
+
+    def check_momentum(self, case):
+        table, _, scale = forces.momentum(case)
+        for columns in table.values():
+            self.assertLess(np.abs(columns["Residual"]).max(), 1e-12 * scale)
 
     def test_ranks_restarts_and_budget(self):
         self.check_ranks_restarts_and_budget(self.make("plain"))
@@ -49,6 +58,26 @@ class Local(harness.Folder, unittest.TestCase):
         case = self.make("viscous", **runs.SPHERES)
         runs.conduct(case)
         self.check_ranks_restarts_and_budget(case)
+
+    def test_gravity(self):
+        self.check_ranks_restarts_and_budget(self.make("falls", gravity=(3.0, -900.0, 0.0)))
+
+    @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
+    def test_rest(self):
+        """A settledLayer stays at rest, with the same bits on ranks."""
+        for mesh in ("sheared", "triangles"):
+            with self.subTest(mesh):
+                case = self.layer(mesh, mesh, "linear", steps=1000)
+                harness.edit(case, "system/controlDict", adjustTimeStep="yes", maxCo=1)
+                harness.edit(case, "system/fvSchemes", timeScheme="local")
+                runs.add(case, "system/controlDict", "functions { budget { type energyBudget; } }\n")
+                copy = shutil.copytree(case, case + "2")
+                self.assertRegex(harness.program("granularGas", "-case", case).stdout, "local steps: .* deltaT/2")
+                harness.program("granularGas", "-case", copy, ranks=2)
+                runs.same(self, runs.results(case), runs.results(copy))
+                self.check_momentum(case)
+                last = harness.haff.Case(case)
+                self.assertLess(np.abs(last.field("U")).max() / np.sqrt(last.field("T").max()), 1e-12)
 
     def test_difference_from_stages(self):
         """It takes a third of the steps, and comes to the same flow as steps get shorter."""
@@ -72,7 +101,6 @@ class Local(harness.Folder, unittest.TestCase):
                  "polyReconstruct linear;": self.make("quadratic", scheme="CWENO3"),
                  "fluxScheme common;": self.make("paced", flux="FORCE"),
                  "out of commonCoeffs": edited("ruled", "system/fvSchemes", coeffs),
-                 "gravity or shaking": self.make("falls", gravity=(0.0, -9.0, 0.0)),
                  "acoustics { type explicit; }": edited("bed", "system/fvSolution", "acoustics { type implicit; }\n"),
                  "out of grain": self.make("threshold"),
                  "carried quantities": edited("carries", "constant/granularProperties", "carried { dye { type passive; } }\n")}
