@@ -64,7 +64,7 @@ static void free_lines(struct gas *g) {
     floors_free(g);
 }
 
-const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool round, bool fed, const char **cure) {
+const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool round, const char **cure) {
     const struct wanted_rules on = rules_of(m->flux, &m->flux_params, false, false);
     const struct {
         bool is;
@@ -77,9 +77,7 @@ const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool ro
         {on.shocks || on.expansions || on.contacts, "rules of single faces but fronts",
          "take them out of commonCoeffs"},
         {gas_may_be_dense(m), "implicit acoustics", "say  acoustics { type explicit; }  in system/fvSolution"},
-        {m->material.threshold > 0, "a thresholdSpeed", "take it out of grain"},
         {m->ncarried > 0, "carried quantities", NULL},
-        {fed, "a patch that feeds mass", "choose fixedValue for U"},
     };
     for (unsigned i = 0; i < sizeof hurdle / sizeof *hurdle && m->stepper->local; i++)
         if (hurdle[i].is) {
@@ -91,9 +89,9 @@ const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool ro
 
 static status check_local(const struct gas *g) {
     const char *cure,
-        *what = gas_local_lacks(&g->models, !g->forest,
-                                g->forest ? g->forest->radial >= 0 : g->blocks.grid->polyhedra->round.radial >= 0,
-                                g->patches.fed, &cure);
+        *what =
+            gas_local_lacks(&g->models, !g->forest,
+                            g->forest ? g->forest->radial >= 0 : g->blocks.grid->polyhedra->round.radial >= 0, &cure);
     return what ? fail(ERR_INPUT, "time scheme local is not there for %s", what) : OK;
 }
 

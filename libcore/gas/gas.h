@@ -109,9 +109,8 @@ status gas_make(struct forest *f, const struct gas_models *models, int npatches,
 status gas_make_polyhedral(const struct grid *grid, const struct gas_models *models, int npatches,
                            const struct patch_rules *rules, struct gas **out);
 /* What the models have that time scheme `local` is not there for (docs/physics.md 7.1), and what to say in the case
- * instead (*cure; NULL: nothing). NULL: no such thing, or another scheme. fed: does a patch feed mass? Both makers
- * above fail with it. */
-const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool round, bool fed, const char **cure);
+ * instead (*cure; NULL: nothing). NULL: no such thing, or another scheme. Both makers above fail with it. */
+const char *gas_local_lacks(const struct gas_models *m, bool polyhedral, bool round, const char **cure);
 void gas_free(struct gas *g);
 int gas_variables(const struct gas *g); /* 2 + components of u */
 

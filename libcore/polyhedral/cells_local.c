@@ -279,17 +279,27 @@ static void side_rises(const struct local_walk *w, int side, double t, const str
     }
 }
 
+/* Changes the values of fits by what the polynomials do not know. */
+static void correct_fits(const struct local_walk *w, int side, const struct points *p, double (*at)[BATCH]) {
+    const struct gas *g = w->g;
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const bool packs = g->models.material.threshold > 0;
+    double average[MAX_VAR][BATCH];
+    int cell[BATCH];
+    if (!packs && !g->cells->rest) return;
+    points_cells(p->n, p->face, side ? f->right : f->left, cell);
+    for (int v = 0; v < g->nvar && packs; v++) points_gather(p->n, cell, w->U[v], average[v]);
+    if (packs) points_flatten(g, p, w->now[0], (const double(*)[BATCH])average, at);
+    if (g->cells->rest) cells_rest_add(g, p->face, p->n, cell, at);
+}
+
 /* The states on one side of the faces of p at time t. */
 static void states_at(const struct local_walk *w, int side, double t, struct points *p) {
     const struct gas *g = w->g;
     double average[MAX_VAR][BATCH], at[MAX_VAR][BATCH], theta[BATCH], *out[MAX_VAR];
     for (int v = 0; v < g->nvar; v++) out[v] = at[v];
     fit_faces(g->cells->fit, side, p->n, p->face, (const double *const *)w->U, out);
-    if (g->cells->rest) {
-        int cell[BATCH];
-        points_cells(p->n, p->face, side ? g->cells->polyhedra->face.right : g->cells->polyhedra->face.left, cell);
-        cells_rest_add(g, p->face, p->n, cell, at);
-    }
+    correct_fits(w, side, p, at);
     side_rises(w, side, t, p, average, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     points_into_frames(g, p, at);
@@ -337,6 +347,7 @@ static int fluxes_at(const struct local_walk *w, int first, int last, double t, 
     if (cells_fronts_floor(g, p->n, p->face, p->floor)) points_floors(p, &faces);
     g->models.flux->through(&faces, g->models.eos, &g->models.material, g->limits.first_order);
     points_out_of_frames(g, p, p->out);
+    if (patch >= 0 && patch_feeds(&g->patches.rules[patch])) points_feed(g, p->n, p->face, w->now[0], p->out);
     return p->n;
 }
 

@@ -228,3 +228,29 @@ void points_floors(struct points *p, struct faces *faces) {
     for (int i = p->n; i < faces->n; i++) p->floor[i] = 0;
     faces->floor = p->floor;
 }
+
+void points_flatten(const struct gas *g, const struct points *p, const double *rho, const double (*average)[BATCH],
+                    double (*at)[BATCH]) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    for (int i = 0; i < p->n; i++)
+        if (larger(rho[f->left[p->face[i]]], rho[f->right[p->face[i]]]) > PACKED * g->limits.most)
+            for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
+}
+
+void points_feed(const struct gas *g, int n, const int *face, const double *U, double (*flux)[BATCH]) {
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    const struct patch_rules *r = &g->patches.rules[f->patch[face[0] - f->ninternal]];
+    double into[BATCH];
+    int place[BATCH], in[BATCH], beyond[BATCH];
+    points_cells(n, face, f->left, in);
+    points_cells(n, face, f->right, beyond);
+    for (int i = 0; i < n; i++) {
+        place[i] = f->place[face[i] - f->ninternal];
+        into[i] = 0;
+        for (int k = 0; k < g->dim; k++) into[i] -= f->normal[k][face[i]] * patch_feed(r, g->components, place[i], k);
+        for (int v = 0; v < g->nvar; v++) flux[v][i] = -flux[v][i];
+    }
+    feed_fluxes(g, r, &(struct fed_faces){n, place, into, U, in, beyond, flux});
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < n; i++) flux[v][i] = -flux[v][i];
+}

@@ -43,6 +43,10 @@ void points_list(const struct polyhedra *m, int first, int last, int k, struct p
 /* Adds the states `at` of listed points, their fluxes and primitives to the means; `first`: these begin with them. */
 void points_add(const struct gas *g, const struct points *p, bool first, struct point_states *s,
                 struct point_means *sum);
+/* At the faces of packed cells the averages stand in for the polynomials, as in the tiles
+ * (libcore/lattice/tiles_stage.c): rho of all cells, averages and states of a side. */
+void points_flatten(const struct gas *g, const struct points *p, const double *rho, const double (*average)[BATCH],
+                    double (*at)[BATCH]);
 /* Does the patch of the faces of p make the states beyond of those at the points, and not of averages? */
 bool points_reflect(const struct gas *g, const struct points *p);
 /* The states that the rules of a patch make of the states `inner`, in the frames of the faces. At a reflecting wall
@@ -53,6 +57,9 @@ void points_beyond(const struct gas *g, double (*inner)[BATCH], struct points *p
 struct faces points_primitives(const struct gas *g, struct points *p);
 /* The same of the means over the points of faces, which it turns into the frames of the faces. */
 struct faces points_of_means(const struct gas *g, struct point_means mean[2], struct points *p);
+/* Gives the fluxes flux[nvar][n], per area and out of the gas, through faces of a patch the mass that it gives
+ * (libcore/gas/patch.h). U: a state with its mirrors, g->size apart. */
+void points_feed(const struct gas *g, int n, const int *face, const double *U, double (*flux)[BATCH]);
 /* Gives the batch the floors of its faces. */
 void points_floors(struct points *p, struct faces *faces);
 

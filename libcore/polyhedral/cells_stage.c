@@ -17,16 +17,6 @@ static void side_averages(const struct gas *g, int side, const double *const *U,
     for (int v = 0; v < g->nvar; v++) memcpy(p->state[v][side ? RIGHT : LEFT], at[v], (size_t)p->n * sizeof(double));
 }
 
-/* At the faces of packed cells the averages stand in for the polynomials, as in the tiles
- * (libcore/lattice/tiles_stage.c). */
-static void flatten_packed(const struct gas *g, const struct points *p, const double *rho,
-                           const double (*average)[BATCH], double (*at)[BATCH]) {
-    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    for (int i = 0; i < p->n; i++)
-        if (larger(rho[f->left[p->face[i]]], rho[f->right[p->face[i]]]) > PACKED * g->limits.most)
-            for (int v = 0; v < g->nvar; v++) at[v][i] = average[v][i];
-}
-
 /* Are all states admissible by more than round-off? (NaN: no) */
 KERNEL static bool all_sound(int n, int dim, double least, double most, const double (*restrict at)[BATCH]) {
     double kinetic[BATCH];
@@ -51,7 +41,7 @@ static void correct_states(const struct gas *g, int side, int from, const double
     for (int i = 0; i < p->n; i++) point[i] = from + i;
     points_cells(p->n, p->face, of_face, cell);
     for (int v = 0; v < g->nvar; v++) points_gather(p->n, cell, U[v], average[v]);
-    if (g->models.material.threshold > 0) flatten_packed(g, p, U[0], (const double(*)[BATCH])average, at);
+    if (g->models.material.threshold > 0) points_flatten(g, p, U[0], (const double(*)[BATCH])average, at);
     if (c->rest) cells_rest_add(g, point, p->n, cell, at);
     limit_towards(p->n, g->components, g->limits.least, g->limits.most, (const double(*)[BATCH])average, at, theta);
     if (c->rest) cells_rest_note(g, side, from, p->n, p->face, at);
@@ -283,23 +273,17 @@ static void limit_batch(struct gas *g, const double *const *U, struct points *p)
     }
 }
 
-/* Gives the fluxes through faces first <= i < last of a patch the mass that it gives (libcore/gas/patch.h). */
+/* Gives the fluxes through faces first <= i < last of a patch the mass that it gives. */
 static void feed(struct gas *g, int first, int last, const double *const *U) {
-    const struct polyhedra *m = g->cells->polyhedra;
-    const struct polyhedra_faces *f = &m->face;
-    const int *place = f->place + first - f->ninternal;
-    const struct patch_rules *r = &g->patches.rules[f->patch[first - f->ninternal]];
-    double flux[MAX_VAR][BATCH], into[BATCH];
-    const struct fed_faces fed = {last - first, place, into, U[0], f->left + first, f->right + first, flux};
-    for (int i = 0; i < fed.n; i++) {
-        const int face = first + i;
-        into[i] = 0;
-        for (int k = 0; k < g->dim; k++) into[i] -= f->normal[k][face] * patch_feed(r, g->components, place[i], k);
-        for (int v = 0; v < g->nvar; v++) flux[v][i] = -g->cells->flux[v][face] / f->area[face];
-    }
-    feed_fluxes(g, r, &fed);
+    const struct polyhedra_faces *f = &g->cells->polyhedra->face;
+    double flux[MAX_VAR][BATCH];
+    int face[BATCH];
+    for (int i = 0; i < last - first; i++) face[i] = first + i;
     for (int v = 0; v < g->nvar; v++)
-        for (int i = 0; i < fed.n; i++) g->cells->flux[v][first + i] = -flux[v][i] * f->area[first + i];
+        for (int i = 0; i < last - first; i++) flux[v][i] = g->cells->flux[v][first + i] / f->area[first + i];
+    points_feed(g, last - first, face, U[0], flux);
+    for (int v = 0; v < g->nvar; v++)
+        for (int i = 0; i < last - first; i++) g->cells->flux[v][first + i] = flux[v][i] * f->area[first + i];
 }
 
 /* Limits the fluxes through faces first <= i < last, all of one patch or all internal, of flagged cells. */

@@ -132,7 +132,7 @@ static status gas_read_state(struct setup *s) {
     TRY(setup_grid(s, g->models->engine && g->models->engine->polyhedral, models->polynomial->rings,
                    models->stepper->local));
     TRY(check_scheme(s, g));
-    TRY(models_local(s, g->models, g->initial->rules));
+    TRY(models_local(s, g->models));
     if (s->grid->polyhedra && transport_terms(models->transport, &models->transport_params).diagonal)
         return dict_fail(g->models->properties, "transport",
                          "stress diagonal is for lattices: on other meshes it would depend on how faces lie; say  "

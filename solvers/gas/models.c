@@ -447,15 +447,8 @@ status models_swirl(const struct setup *s, struct case_models *m) {
 
 /* ---- local time steps ---- */
 
-static bool any_feeds(const struct setup *s, const struct patch_rules *rules) {
-    bool any = false;
-    for (int p = 0; p < s->mesh->npatches; p++) any |= patch_feeds(&rules[p]);
-    return any;
-}
-
-status models_local(const struct setup *s, const struct case_models *m, const struct patch_rules *rules) {
-    const char *cure,
-        *what = gas_local_lacks(&m->gas, s->grid->polyhedra != NULL, s->mesh->round.on, any_feeds(s, rules), &cure);
+status models_local(const struct setup *s, const struct case_models *m) {
+    const char *cure, *what = gas_local_lacks(&m->gas, s->grid->polyhedra != NULL, s->mesh->round.on, &cure);
     if (!what) return OK;
     return dict_fail(m->schemes, "timeScheme", "local is not there for %s: %s%ssay  timeScheme SSPRK43;", what,
                      cure ? cure : "", cure ? ", or " : "");

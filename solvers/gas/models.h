@@ -44,8 +44,8 @@ void models_turn(struct case_models *m, int components, const int axis[3]);
 struct setup;
 status models_round(const struct setup *s, struct case_models *m);
 status models_swirl(const struct setup *s, struct case_models *m);
-/* Refuses what is not there with timeScheme local; rules: [patches of s->mesh]. */
-status models_local(const struct setup *s, const struct case_models *m, const struct patch_rules *rules);
+/* Refuses what is not there with timeScheme local. */
+status models_local(const struct setup *s, const struct case_models *m);
 void models_free(struct case_models *m);
 
 /* Marks all that constant/granularProperties says of these models as known, for programs that have no use for it. */

@@ -343,21 +343,13 @@ struct problem problem_draw(int family, uint64_t number) {
     return p;
 }
 
-static bool gate_feeds(const struct gate *g) {
-    return g->velocity && patch_feeds(&(struct patch_rules){.velocity.type = boundary_find(g->velocity)});
-}
-
 bool problem_spare(struct problem *p) {
     if (p->dim == 1 || p->radial >= 0) return false;
     if (!p->polyhedral) p->shape = p->dim == 2 ? p->seed % 2 ? TRIANGLES : QUADS : p->seed % 2 ? TETS : HEXES;
     p->polyhedral = true;
     p->acoustics = NULL;
     p->friction = NULL;
-    p->material.threshold = 0;
-    for (int i = 0; i < 6; i++) {
-        if (!p->transport) p->wall[i].velocity = NULL;
-        if (gate_feeds(&p->gate[i])) p->gate[i].velocity = "fixedValue";
-    }
+    for (int i = 0; i < 6 && !p->transport; i++) p->wall[i].velocity = NULL;
     return true;
 }
 

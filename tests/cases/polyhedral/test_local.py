@@ -102,10 +102,7 @@ class Local(harness.Folder, unittest.TestCase):
                  "fluxScheme common;": self.make("paced", flux="FORCE"),
                  "out of commonCoeffs": edited("ruled", "system/fvSchemes", coeffs),
                  "acoustics { type explicit; }": edited("bed", "system/fvSolution", "acoustics { type implicit; }\n"),
-                 "out of grain": self.make("threshold"),
                  "carried quantities": edited("carries", "constant/granularProperties", "carried { dye { type passive; } }\n")}
-        harness.edit(cases["out of grain"], "constant/granularProperties", restitution="0.9; thresholdSpeed 0.03")
-        runs.add(cases["out of grain"], "system/fvSolution", "acoustics { type explicit; }\n")
         with open(os.path.join(cases["carried quantities"], "0", "rho")) as f:
             text = re.sub(r"dimensions .*", "dimensions [0 0 0 0 0 0 0];", f.read().replace("rho;", "dye;"))
         with open(os.path.join(cases["carried quantities"], "0", "dye"), "w") as f:
