@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The scheme of steps with a bed: which it is, and that no wave grows in them (docs/physics.md 9.2). */
+/* The scheme of steps in which dense cells are a bed: which it is, and that no wave grows in them
+ * (docs/physics.md 9.2). */
 #include "libcore/schemes/stepper.h"
 
 #include <complex.h>
