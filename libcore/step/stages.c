@@ -6,8 +6,8 @@
  * That may spoil a neighbour, which is then flagged, too; flags only grow, so this ends. Then flagged cells are
  * admissible by the theorem of limit.h, and the others were checked. Smooth flow pays nothing and keeps its order and
  * its bits. If the theorem's Courant number was exceeded and a flagged cell is inadmissible all the same, the step is
- * rejected and done again with half of dt or less (libcore/step/step.c). Local time steps are one stage, which other
- * ones replace if a cell is inadmissible after it. */
+ * rejected and done again with half of dt or less, beside a bed first by SSPRK43 (libcore/step/step.c). Local time
+ * steps are one stage, which other ones replace if a cell is inadmissible after it. */
 #include "libcore/step/step_parts.h"
 
 /* More short steps than these in one of local steps are a collapse. */
@@ -147,8 +147,10 @@ static bool runge_kutta(struct gas *g, struct attempt *a, const struct stage_now
     const long found = g->engine->stage.stage(g, a->U0, s->from, &g->W, s->a, s->dt, ending);
     if (!a->guarded)
         a->bad += found;
-    else if (any_rank(g, found) && !guard_stage(g, a, s))
+    else if (any_rank(g, found) && !guard_stage(g, a, s)) {
+        a->spoilt = true;
         return false;
+    }
     books_staged(g, s->part * s->dt);
     return true;
 }

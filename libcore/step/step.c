@@ -57,13 +57,20 @@ static bool takes_bed(const struct gas *g, double dt, double allowed) {
     return g->dense && g->dense->longest > 0 && dt > allowed;
 }
 
+/* The scheme of a step with a bed: one of few stages. If the limiter cannot mend these, SSPRK43 does the step: its
+ * Euler steps are half as long. */
+static const struct stepper *scheme_of_bed(const struct gas *g, bool spoilt) {
+    const struct gas_models *m = &g->models;
+    return spoilt ? stepper_instead : stepper_beside_bed(m->stepper, !g->forest || m->reconstruct->reach < 2);
+}
+
 static bool try_step(struct gas *g, struct attempt *a) {
     g->diffusion.stiff.found = g->step.left = false;
     g->diffusion.unasked = 0;
     a->guarded = g->step.guarded > 0;
     a->sources = source_active(&g->models.source, &g->models.material);
     g->step.hybrid = takes_bed(g, a->dt, a->maxCo / a->speed->rate);
-    if (g->step.hybrid) a->stepper = stepper_beside_bed(a->stepper, !g->forest || g->models.reconstruct->reach < 2);
+    if (g->step.hybrid) a->stepper = scheme_of_bed(g, a->spoilt);
     return parts_try(g, a);
 }
 
@@ -81,6 +88,16 @@ static status renewal_failure(struct gas *g) {
     const status s = g->patches.failed;
     g->patches.failed = OK;
     return s;
+}
+
+/* Is a step to be tried again with the same dt? */
+static bool again_at_once(struct gas *g, const struct attempt *tried) {
+    if (!tried->guarded && !tried->hot) {
+        g->step.guarded = GUARDED;
+        return true;
+    }
+    g->counts.now.rejected++;
+    return g->step.hybrid && tried->spoilt && tried->stepper != stepper_instead;
 }
 
 /* Counts a step that stands. */
@@ -108,7 +125,7 @@ static status keep_step(struct gas *g, double t, double dt) {
 
 status gas_step(struct gas *g, double t, double *dt, double maxCo, double least, double fraction,
                 const struct gas_speed *speed) {
-    struct attempt tried;
+    struct attempt tried = {.spoilt = false};
     if (!isfinite(speed->rate)) return stop_of_speed(g, t, speed);
     const double allowed = maxCo / speed->rate, asked = *dt;
     const struct gas_counts start = g->counts.now;
@@ -124,7 +141,8 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
     for (;;) {
         if (t + *dt / DIGITS == t) return stop_of_time(g, t, *dt, speed);
         g->engine->stage.fronts(g, speed);
-        tried = (struct attempt){.t = t, .dt = *dt, .maxCo = maxCo, .stepper = g->models.stepper, .speed = speed};
+        tried = (struct attempt){
+            .t = t, .dt = *dt, .maxCo = maxCo, .stepper = g->models.stepper, .speed = speed, .spoilt = tried.spoilt};
         const bool stands = try_step(g, &tried);
         TRY(renewal_failure(g));
         if (stands) break;
@@ -132,11 +150,7 @@ status gas_step(struct gas *g, double t, double *dt, double maxCo, double least,
         if (dense_refused(g, dt)) return gas_step(g, t, dt, maxCo, least, fraction, speed);
         if (asked_to_leave(g)) return leave(g, &start, dt);
         if (hopeless(g) && !g->step.hybrid) return stop_of_diffusion(g, t);
-        if (!tried.guarded && !tried.hot) {
-            g->step.guarded = GUARDED;
-            continue;
-        }
-        g->counts.now.rejected++;
+        if (again_at_once(g, &tried)) continue;
         *dt = g->step.hybrid ? 0.5 * *dt : shorter(g, tried.U0, *dt, maxCo);
         look_at_start(g);
         if (*dt < smaller(least, asked) || *dt < 1e-12 * asked)

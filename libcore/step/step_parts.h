@@ -17,6 +17,7 @@ struct attempt { /* at a step */
     long bad;                      /* its inadmissible cells on this rank */
     const struct state *U0;        /* the start of the stages; NULL: a part before them failed */
     bool hot;                      /* out: did sources heat the gas so much that dt is too long? */
+    bool spoilt;                   /* has the limiter failed to mend a stage, of this attempt or one before? */
     bool at_once;                  /* does the last stage do the ending, tile by tile? */
     struct ending ending;
     struct source_plan last; /* of the ending: the second half of the sources */
