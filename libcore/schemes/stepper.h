@@ -19,8 +19,8 @@ extern const int stepper_count;
 extern const struct stepper *const stepper_instead;   /* of a step that `local` would leave inadmissible */
 const struct stepper *stepper_find(const char *name); /* NULL: none */
 /* The scheme of a step with a bed, whose Courant number is at most 1/2 (libcore/gas/dense.c): `chosen`, or one of fewer
- * stages that is stable there. Heun's lets waves grow by (nu k)^4/8 a step, of nu = c dt/h and k a cell. damps: does the
- * reconstruction take more from them? Those of five cells take nu k^6/60. Else it is SSPRK3. */
+ * stages that is stable there. Heun's lets waves grow by (nu k)^4/8 a step, of nu = c dt/h and k a cell. damps: does
+ * the reconstruction take more from them? Those of five cells take nu k^6/60. Else it is SSPRK3. */
 const struct stepper *stepper_beside_bed(const struct stepper *chosen, bool damps);
 
 /* Makes struct stepper's exchange for one number: U0 is `start` and becomes *next, U is *state. */
