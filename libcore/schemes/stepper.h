@@ -16,7 +16,8 @@ struct stepper { /* stage s: U = a[s] U0 + (1 - a[s]) (U + b[s] dt L(U)) */
 };
 extern const struct stepper stepper_table[];
 extern const int stepper_count;
-extern const struct stepper *const stepper_instead;   /* of a step that `local` would leave inadmissible */
+/* SSPRK43: of a step that `local`, or few stages beside a bed, would leave inadmissible */
+extern const struct stepper *const stepper_instead;
 const struct stepper *stepper_find(const char *name); /* NULL: none */
 /* The scheme of a step with a bed, whose Courant number is at most 1/2 (libcore/gas/dense.c): `chosen`, or one of fewer
  * stages that is stable there. Heun's lets waves grow by (nu k)^4/8 a step, of nu = c dt/h and k a cell. damps: does
