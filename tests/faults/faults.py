@@ -260,6 +260,8 @@ def signals(folder):
     for number, wish in ((signal.SIGSEGV, False), (signal.SIGABRT, False), (signal.SIGTERM, True), (signal.SIGINT, True),
                          (signal.SIGHUP, True), (signal.SIGXCPU, True), (signal.SIGUSR1, True)):
         outcome = Outcome(f"{number.name}, " + ("a wish to stop" if wish else "sudden death"))
+        if signal.getsignal(number) == signal.SIG_IGN:  # nohup ignores SIGHUP, and a run inherits that
+            signal.signal(number, signal.SIG_DFL)
         case = endless(folder, number.name)
         going, text = start(case, 2)
         going.send_signal(number)
