@@ -3,7 +3,7 @@
  * thousandth and less of what the flow would need. So the bed, dense cells and those around them (enum bed_part), takes
  * one implicit step (libcore/acoustics/bed.h), all others the Runge-Kutta step, and both share the fluxes between them:
  *
- *     half the sources | half the diffusion | stages of the others | half the diffusion | half the sources | the bed
+ *     half the sources | the diffusion | stages of the others | half the sources | the bed
  *
  * The bed's cells keep their state through the stages. They come last, with the fluxes of the stages towards the
  * others, because a pressure that the sources changed last would be out of balance with the weight. Gravity acts on the

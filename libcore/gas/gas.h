@@ -72,7 +72,7 @@ struct gas_counts {
     long filled;             /* cells raised to the density floor, counted once a stage */
     double fill[2];          /* kg, J: mass and energy that it added to the results of steps, to round-off */
     double place[3];         /* m: centre of a cell that was limited last; 0: there was none */
-    long halves;             /* half steps of diffusion that stand */
+    long halves;             /* half steps of diffusion that stand; a whole one counts twice */
     long stages[2];          /* stages of viscous stress and of heat conduction, over all attempts */
     long repeated;           /* attempts at diffusion that were done again because cells were not admissible */
     long plain;              /* cells on whose faces the stress went without tangential derivatives then */

@@ -148,10 +148,13 @@ struct shear_rate {
     double **rise; /* [blocks][size] the factor by which it rose over the first half of diffusion */
 };
 
-struct half_diffusion {           /* the half step of diffusion in hand; with transport */
+enum lapse_of { FIRST_HALF, SECOND_HALF, WHOLE_STEP };
+
+struct half_diffusion {           /* the half step of diffusion in hand, or the whole one; with transport */
     struct transport_terms terms; /* what the transport law asks for */
     double pull[MAX_DIM];         /* m/s^2: mean acceleration by the sources */
-    bool late;                    /* is it in the second half of the step, before cooling? */
+    bool late;                    /* is it the second half of a step, whose cooling is to come, or a whole step? */
+    bool whole;                   /* is it a whole step? Its sink is what cooling takes in both halves */
     bool oblique;                 /* is a line of centres oblique to its face, so that heat is not symmetric? */
     bool ahead;                   /* are the coefficients those at the end of the half step (diffusion.c)? */
     /* From flags_of_marks on until the next rates: the stress on the faces of flagged cells has no tangential
@@ -245,10 +248,10 @@ bool speed_agree(struct gas *g, const struct gas_speed *mine, bool is_void);
 /* Gives the patches their values at time t (gas_vary). */
 void renew_patches(struct gas *g, double t);
 
-/* Moves `from` by viscous stress and heat conduction over dt from t on, in the first or the second half of a step. bad:
+/* Moves `from` by viscous stress and heat conduction over dt from t on, a half of a step or all of it. bad:
  * number of cells of `from` on this rank that are not admissible. Returns false, on all ranks, if a rank has such cells
  * or would have them in `to`. */
-bool diffuse(struct gas *g, const struct state *from, const struct state *to, double t, double dt, bool second,
+bool diffuse(struct gas *g, const struct state *from, const struct state *to, double t, double dt, enum lapse_of part,
              long bad);
 
 /* Sets g->diffusion.cooled to the fall of T from one state to the other by sources. It is negative where T rose, if a

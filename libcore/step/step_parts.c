@@ -11,7 +11,7 @@ static const struct part *const table[] = {
     &friction_part,  /* of packed gas in an explicit step; a bed has its own */
     &bed_part,       /* dense cells, implicit: last, as the sources would put their pressure out of balance */
     &sources_part,   /* half a step, and half a step backwards */
-    &diffusion_part, /* half a step, and half a step */
+    &diffusion_part, /* half a step, and half a step; beside a bed all of it at once */
     &border_part,    /* of the bed: its lists, the fluxes through it, gravity on cells that fall beside it */
     &stages_part,
 };
@@ -128,26 +128,28 @@ static bool has_transport(const struct gas *g, const struct attempt *a) {
     return g->models.transport != NULL;
 }
 
-/* Does the diffusion over dt/2 from t on. Notes the mean acceleration by the sources: it pulls the gas onto walls,
+/* Does the diffusion of a part of the step. Notes the mean acceleration by the sources: it pulls the gas onto walls,
  * whose pressure then exceeds that of the cells beside them. */
-static bool diffuse_half(struct gas *g, const struct attempt *a, const struct state *to, bool second) {
+static bool diffuse_part(struct gas *g, const struct attempt *a, const struct state *to, enum lapse_of part) {
     const struct gas_models *m = &g->models;
-    const double t = second ? a->t + 0.5 * a->dt : a->t;
-    source_pull(&m->source, m->eos, &m->material, g->components, t, 0.5 * a->dt, g->diffusion.pull);
-    return diffuse(g, a->now, to, t, 0.5 * a->dt, second, a->bad);
+    const double t = part == SECOND_HALF ? a->t + 0.5 * a->dt : a->t, dt = part == WHOLE_STEP ? a->dt : 0.5 * a->dt;
+    source_pull(&m->source, m->eos, &m->material, g->components, t, dt, g->diffusion.pull);
+    return diffuse(g, a->now, to, t, dt, part, a->bad);
 }
 
+/* A step with a bed is of first order anyway: all its diffusion comes first, for halves have 1.4 times its stages. */
 static bool diffusion_first(struct gas *g, struct attempt *a) {
-    if (!diffuse_half(g, a, &g->U0, false)) return false;
+    if (!diffuse_part(g, a, &g->U0, g->step.hybrid ? WHOLE_STEP : FIRST_HALF)) return false;
     a->now = &g->U0;
     return true;
 }
 
 /* An unguarded explicit step goes on to its end, where the ranks ask each other. */
 static bool diffusion_last(struct gas *g, struct attempt *a) {
-    if (diffuse_half(g, a, &g->W, true))
+    if (g->step.hybrid) return true;
+    if (diffuse_part(g, a, &g->W, SECOND_HALF))
         swap_states(&g->V, &g->W);
-    else if (a->guarded || g->step.hybrid)
+    else if (a->guarded)
         return false;
     else
         a->bad++;
