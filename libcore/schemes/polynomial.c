@@ -131,6 +131,7 @@ KERNEL static void find_changes(const struct fit *f, int batch, const double *co
     for (int v = 0; v < f->nvar; v++) {
         const int *cell = f->member.cell + (long)f->member.start[batch] * LANES;
         struct rest_state rest;
+        ahead_ask(f);
         own_values(f, batch, U[v], c->own[v]);
         find_rest(f, batch, v, &rest);
         for (int j = 0; j < n; j++, cell += LANES) {
@@ -205,16 +206,18 @@ ALWAYS_INLINE void add_near(int part, int nvar, int n, const double *restrict w,
     }
 }
 /* The same for all lanes and coefficients. */
-ALWAYS_INLINE void add_parts(int part, int ncoef, int nvar, int n, const double *restrict w,
-                             const double *restrict change, double *restrict sum) {
-    for (int from = 0; from < LANES; from += VECTOR)
+ALWAYS_INLINE void add_parts(int part, int ncoef, const struct fit *f, int nvar, int n, const double *restrict w,
+                             double *restrict sum) {
+    for (int from = 0; from < LANES; from += VECTOR) {
+        ahead_ask(f);
         for (int k = 0; k < ncoef; k += part, w += (long)n * part * VECTOR)
-            add_near(part, nvar, n, w, change + from, sum + k * LANES + from);
+            add_near(part, nvar, n, w, f->change + from, sum + k * LANES + from);
+    }
 }
 #define PARTS(coefficients, variables)                                                                                 \
     if (ncoef == (coefficients) && nvar == (variables))                                                                \
-    add_parts(PART(coefficients), coefficients, variables, n, w, change, sum)
-KERNEL static void add_changes(int ncoef, int nvar, int n, const double *w, const double *change, double *sum) {
+    add_parts(PART(coefficients), coefficients, f, variables, n, w, sum)
+KERNEL static void add_changes(int ncoef, const struct fit *f, int nvar, int n, const double *w, double *sum) {
     PARTS(1, 3);
     PARTS(1, 4);
     PARTS(1, 5);
@@ -230,7 +233,7 @@ KERNEL static void add_changes(int ncoef, int nvar, int n, const double *w, cons
 /* Computes the coefficients a of the polynomials of the whole stencils, in the frames of the cells. */
 static void add_members(int m, int ncoef, const struct fit *f, int batch, double (*a)[MAX_COEFFICIENT][LANES]) {
     const int first = f->member.start[batch], n = f->member.start[batch + 1] - first;
-    add_changes(ncoef, m + 2, n, f->member.data + (long)first * ncoef * LANES, f->change, a[0][0]);
+    add_changes(ncoef, f, m + 2, n, f->member.data + (long)first * ncoef * LANES, a[0][0]);
 }
 
 /* The line of a variable's values in entry j of `point`. */
@@ -354,6 +357,7 @@ KERNEL static void finish_cells(int m, const struct fit *f, int batch, const str
 
 ALWAYS_INLINE void linear_changes(int dim, const struct fit *f, int batch, int v, const struct bounds *restrict b,
                                   double (*restrict a)[LANES]) {
+    ahead_ask(f);
     for (int j = f->point.start[batch]; j < f->point.start[batch + 1]; j++) {
         const double *restrict x = f->point.data + (long)j * dim * LANES;
         double *restrict out = values_of(f, batch, v, j);
@@ -465,6 +469,7 @@ ALWAYS_INLINE void add_all(int dim, int m, const struct fit *f, int batch) {
     const size_t line = (size_t)(m + 2) * LANES;
     for (int at = s->start[batch]; at < s->start[batch + 1]; at++) {
         const int first = s->first[at], n = s->first[at + 1] - first, i = at - s->start[batch];
+        ahead_ask(f);
         for (int j = 0; j < n; j++)
             memcpy(s->taken + (size_t)j * line, s->change + (size_t)s->used[first + j] * line, line * sizeof *s->taken);
         add_sector(dim, m + 2, n, s->data + (long)first * dim * LANES, s->taken,
@@ -573,6 +578,7 @@ ALWAYS_INLINE void combine(int dim, int m, const struct fit *f, int batch, const
 ALWAYS_INLINE void quadratic_changes(int dim, const struct fit *f, int batch, int v, const struct bounds *restrict b,
                                      double (*restrict a)[LANES]) {
     const int first = f->point.start[batch], n = f->point.start[batch + 1] - first;
+    ahead_ask(f);
     const double *restrict moment = f->moment.data + (long)batch * quadratics(dim) * LANES;
     const double *restrict x = f->point.data + (long)first * dim * LANES;
     double *restrict out = values_of(f, batch, v, first);
@@ -674,7 +680,10 @@ void fit_keep(struct fit *f, double least, double most) {
 void fit_cells(struct fit *f, int from, int to, const double *const *U) {
     if (!f->kind->cells || from >= to) return;
     for (int b = from / LANES; b <= (to - 1) / LANES; b++)
-        if (!calm_batch(f, b, U)) f->kind->cells(f, b, U);
+        if (!calm_batch(f, b, U)) {
+            ahead_list(f, b + 1);
+            f->kind->cells(f, b, U);
+        }
 }
 
 KERNEL static void gather(int n, const int *restrict place, const double *restrict from, double *restrict to) {

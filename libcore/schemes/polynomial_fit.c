@@ -457,6 +457,7 @@ static status make_weights(struct fit *f, const bool *unknown, int *length) {
 static status fill(struct fit *f, const bool *unknown) {
     struct point_list l = {0};
     int *length = NULL;
+    TRY(allocate(&f->ahead, 1, sizeof *f->ahead, "a fit"));
     status s = allocate(&length, f->polyhedra->nnear, sizeof *length, "lengths of lists");
     if (!s) s = list_points(f->polyhedra, &l);
     if (!s) s = make_points(f, &l, length);
@@ -601,6 +602,7 @@ void fit_free(struct fit *f) {
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) entries_free(all[i]);
     sectors_free(&f->sector);
     calm_free(f->calm);
+    free(f->ahead);
     free(f->change);
     free(f->value);
     free(f->slot);

@@ -43,6 +43,11 @@ struct calm {               /* libcore/schemes/polynomial_calm.c */
     int n;                        /* states; 0: known and still are not valid */
     double state[LABELS + 1][MAX_VAR]; /* one more for a candidate */
 };
+struct ahead {          /* libcore/schemes/polynomial_ahead.c: what memory is not yet asked for */
+    const char *at[7];  /* pieces */
+    long left[7], part; /* lines of the cache in each; how many are asked for at a time */
+    int now, n;         /* the piece that is next; pieces */
+};
 struct fit {
     const struct polyhedra *polyhedra; /* borrowed */
     const struct polynomial *kind;
@@ -61,14 +66,19 @@ struct fit {
     double *held;           /* of fit_hold: the values of a batch; NULL */
     const double *rest[MAX_VAR], *near; /* of fit_rest, or NULL */
     struct calm *calm;                  /* of fit_watch, or NULL */
-    double least, most;                 /* of fit_keep; most 0: no density is kept in between */
-    int *place[2]; /* [points] where a face point's value in the left and in the right cell stands */
+    struct ahead *ahead;
+    double least, most; /* of fit_keep; most 0: no density is kept in between */
+    int *place[2];      /* [points] where a face point's value in the left and in the right cell stands */
 };
 
 /* Finds members and weights (1/m) of the unlimited gradients of linear fits in cells < nnear: to the neighbours across
  * faces, or to the whole stencil where these do not span the axes. The caller frees them by entries_free. */
 status fit_gradients(const struct fit *f, struct entries *r);
 void entries_free(struct entries *r);
+
+/* Lists what the fit of a batch reads (none from nbatches on); asks memory for the next part of what is listed. */
+void ahead_list(const struct fit *f, int batch);
+void ahead_ask(const struct fit *f);
 
 /* Are the stencils of all cells of a batch known to be uniform? Then does what its fit would do: their polynomials are
  * constants. */
