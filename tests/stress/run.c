@@ -555,7 +555,8 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
     const char *limit;
     double t = 0, crossed = 0;
     gas_speed(g, &speed);
-    const struct ends bounds = ends_of(s->problem, o, speed.rate);
+    /* the rate of the shortest local steps: a problem has one end under every time scheme */
+    const struct ends bounds = ends_of(s->problem, o, ldexp(speed.rate, speed.levels));
     double end = bounds.t;
     /* minDeltaTFraction; the first state may be dense already: its own time step is no collapse */
     const double fraction = o->fraction * (speed.loose > 0 ? speed.loose / speed.rate : 1);
@@ -584,7 +585,7 @@ static status advance(struct scene *s, const struct scheme *scheme, const struct
         out->least = smaller(out->least, dt / asked);
         if (o->verbose) print_step(s, out->steps, t, dt, stable, limit);
         t = t + dt > t ? t + dt : end;
-        crossed += smaller(dt * speed.rate, 1);
+        crossed += ldexp(smaller(dt * speed.rate, 1), speed.levels);
         if (crossed >= bounds.waves) end = t;
     }
     out->end = end;
