@@ -93,7 +93,7 @@ QUANTITIES = {
     "height of the big disks over the small ones": lambda case, field, time: float(risen(case.path)[0]),
     "temperature of the big over that of the small, over theory":
         lambda case, field, time: float(steady_ratio(case.path)[0] / mixture(disks.Disks.of(case.path).e).temperatures()),
-    "share of the grains at x < 0": lambda case, field, time: float(np.mean(grains.places(case, case.time(time))[:, 0] < 0)),
+    "share of the grains at x < 0": lambda case, field, time: float(np.mean(grains.places(case, time)[:, 0] < 0)),
     "T over that of the gas": lambda case, field, time: over_theory(case, 0),
     "shear stress over that of the gas": lambda case, field, time: over_theory(case, 1),
     "T over that of the gas of Garzo & Dufty": lambda case, field, time: over_theory(case, 0, garzo_dufty),
