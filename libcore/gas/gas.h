@@ -7,7 +7,8 @@
  * nothing varies along such an axis, but gas moves along it. Its momentum is carried with the gas; of the stress it has
  * the shear on the faces of the other axes, with its work and the drag of walls, and of gravity its part. There are no
  * fluxes, ghosts or gradients along that axis, and no part of div u. A step is half the sources (exact) | Runge-Kutta
- * stages of the fluxes | half the sources; with transport, half the diffusion stands on both sides of the stages.
+ * stages of the fluxes | half the sources; with transport, half the diffusion stands on both sides of the stages, in a
+ * step with a bed all of it before them.
  * Nothing is allocated after gas_make but room for beds that grow. */
 #ifndef LIBCORE_GAS_H
 #define LIBCORE_GAS_H
