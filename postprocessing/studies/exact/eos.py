@@ -10,6 +10,7 @@ import os
 import re
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from haff.start import enskog
 
@@ -21,6 +22,12 @@ class PerfectGas:
         self.gamma = gamma
 
     rho_max = np.inf
+
+    def __eq__(self, other):
+        return type(self) is type(other) and vars(self) == vars(other)
+
+    def __hash__(self):
+        return hash((type(self), *vars(self).values()))
 
     def A(self, rho):
         return 1 + 0 * rho
@@ -122,28 +129,24 @@ class TorquatoSpheres(PerfectGas):
         return rho * (self.A(rho + h) - self.A(rho - h)) / (2 * h)
 
 
-# Gauss-Legendre nodes on [0, 1] for the integrals along an isentrope.
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
+# Gauss-Legendre nodes on [0, 1] for the integrals along an isentrope; UP_TO[j] weighs values at the nodes for the integral up to node j, of the
+# polynomial through them.
+NODES, WEIGHTS = legendre.leggauss(12)
+UP_TO = legendre.legval(NODES, legendre.legint(np.eye(12), lbnd=-1)).T / 2 @ ((np.arange(12) + 0.5) * WEIGHTS[:, None] * legendre.legvander(NODES, 11)).T
 NODES, WEIGHTS = (NODES + 1) / 2, WEIGHTS / 2
 
 
-def isentrope(eos, rho0, T0, rho, panels=8):
+def isentrope(eos, rho0, T0, rho, panels=16):
     """T(rho) on the isentrope through (rho0, T0), and the integral of c/rho from rho0 to rho; rho is an array.
 
     d ln T = (gamma - 1) A d ln rho, both integrals are taken in ln rho over `panels` Gauss panels.
     """
-    rho = np.asarray(rho, float)
-    step = np.log(rho / rho0) / panels
-    log_T, riemann = np.full(rho.shape, np.log(T0)), np.zeros(rho.shape)
-    for k in range(panels):
-        s = np.log(rho0) + step[..., None] * (k + NODES)
-        # ln T at the nodes of this panel: integrals of A up to each node, by the same rule on [0, node]
-        inner = np.log(rho0) + step[..., None, None] * (k + NODES[:, None] * NODES[None, :])
-        to_node = step[..., None] * NODES * ((eos.gamma - 1) * eos.A(np.exp(inner)) @ WEIGHTS)
-        T = np.exp(log_T[..., None] + to_node)
-        riemann = riemann + step * (eos.c(np.exp(s), T) @ WEIGHTS)
-        log_T = log_T + step * ((eos.gamma - 1) * eos.A(np.exp(s)) @ WEIGHTS)
-    return np.exp(log_T), riemann
+    step = np.log(np.asarray(rho, float) / rho0)[..., None, None] / panels
+    nodes = rho0 * np.exp(step * (np.arange(panels)[:, None] + NODES))
+    slope = (eos.gamma - 1) * eos.A(nodes)
+    rise = np.cumsum(slope @ WEIGHTS, axis=-1)[..., None]
+    T = T0 * np.exp(step * (rise - (slope @ WEIGHTS)[..., None] + slope @ UP_TO.T))
+    return T0 * np.exp(step * rise[..., -1:, :])[..., 0, 0], (step[..., 0] * (eos.c(nodes, T) @ WEIGHTS)).sum(axis=-1)
 
 
 def of_case(case):
