@@ -7,9 +7,10 @@
 #include <math.h>
 
 /* A case can be checked where there is no LAMMPS; a run fails when it starts it. */
-static status warn_program(struct setup *s) {
+static status warn_program(struct setup *s, struct dem_run *r) {
     struct lammps_abilities can;
     status e = lammps_ask(&can);
+    r->lammps = !e;
     if (!e) return OK;
     const status said = warn(&s->warnings, WARN_NO_LAMMPS, "%s", status_text(e));
     status_free(e);
@@ -157,6 +158,6 @@ status dem_run_state(struct setup *s, struct dem_run *r) {
     r->law.walls = &r->walls;
     r->law.gravity = &m->forces.source;
     TRY(warn_of(s, r));
-    TRY(warn_program(s));
+    TRY(warn_program(s, r));
     return setup_grid(s, r->mesh != NULL, 1, false);
 }

@@ -204,7 +204,7 @@ static status launch(struct dem_run *r) {
     char folder[TIME_PATH + 16], restart[2 * TIME_PATH];
     snprintf(folder, sizeof folder, "%s/dem", s->dir);
     snprintf(restart, sizeof restart, "%s/%s/uniform/lammps", s->dir, s->start.folder);
-    TRY(lammps_ask(&can));
+    if (!r->lammps) TRY(lammps_ask(&can));
     TRY(case_make_folders(s, folder));
     const bool goes_on = !r->changed && field_exists(restart);
     TRY(dem_engine_make(&r->law, s->ranks, s->medium->asked, folder, &r->moment, goes_on ? restart : NULL, &r->engine));

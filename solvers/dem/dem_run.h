@@ -23,6 +23,7 @@ struct dem_run {
     struct dem_law law;
     struct dem_state saved;        /* n = 0: the start has none; freed once it is used */
     bool kept, changed;            /* do averages go on? have laws or box changed since the saved state? */
+    bool lammps;                   /* is it there, with all that it needs? */
     bool from_cloud;               /* were the grains read from lagrangian/grains? */
     struct packing_report packing; /* else: how they were placed */
     struct dem_engine *engine;     /* NULL before the first step */

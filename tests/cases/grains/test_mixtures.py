@@ -87,7 +87,7 @@ class Mixtures(harness.Folder, unittest.TestCase):
                 np.testing.assert_allclose(found.field(f"U.{name}", "1")[i], own.mean(axis=0), atol=1e-12)
                 self.assertAlmostEqual(found.field(f"T.{name}", "1")[i], ((own - own.mean(axis=0)) ** 2).sum() / (2 * len(own)), delta=1e-12)
         np.testing.assert_array_equal(c["species"] == 0, c["d"] == 1)
-        if hard.vtk is None:
+        if not hard.VTK:
             self.skipTest("VTK's Python module is not there")
         harness.program("caseToVTK", case)
         data = hard.points(os.path.join(case, "VTK", "moment-grains_1.vtk"))
