@@ -92,6 +92,17 @@ class Outlook(harness.Folder, unittest.TestCase):
             self.assertTrue(done.stderr.startswith(said) and bool(done.stderr) == bool(said), done.stderr)
         self.assertEqual(sorted(os.listdir(case)), ["0", "constant", "system"])
 
+    def test_mpirun_of_another_haff(self):
+        """The mpirun of another version is passed over where PATH has both: each would call the other one for ever."""
+        own, other = os.path.join(harness.BIN, "mpirun"), os.path.join(self.folder, "mpirun")
+        with open(own, encoding="utf-8") as file, open(other, "w", encoding="utf-8") as copy:
+            copy.write(file.read() + "# of another version\n")
+        os.chmod(other, 0o755)
+        path = {**os.environ, "PATH": ":".join((self.folder, harness.BIN, os.environ["PATH"]))}
+        for first in (own, other):
+            done = subprocess.run([first, "-np", "2", os.path.join(harness.BIN, "granularGas"), "-version"], capture_output=True, text=True, env=path, timeout=60)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_more_ranks_than_processors(self):
         """The log says so, once; as many ranks as processors are not spoken of."""
         case, n = self.make("crowded", 0.01), os.cpu_count()
