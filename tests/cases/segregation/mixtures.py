@@ -2,7 +2,6 @@
 """Short forms of the cases of granularSegregation."""
 import os
 import shutil
-import subprocess
 import tempfile
 
 from tests.cases import harness, runs
@@ -12,10 +11,7 @@ class Mixture(harness.Folder):
     def case(self, name, M, properties=None, **control):
         """A shipped case with M nodes, ready to run."""
         case = harness.copy(name, self.folder)
-        msh = os.path.join(case, "mesh.msh")
-        subprocess.run(["gmsh", "-3", "-v", "2", "-setnumber", "M", str(M), os.path.join(case, "mesh.geo"), "-o", msh],
-                       check=True, capture_output=True)
-        harness.program("gmshToCase", msh, "-case", case)
+        harness.mesh(case, M, "M")
         harness.edit(case, "system/controlDict", **control)
         harness.edit(case, "constant/segregationProperties", **(properties or {}))
         return case
