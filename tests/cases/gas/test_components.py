@@ -157,7 +157,7 @@ class Components(harness.Folder, unittest.TestCase):
                 for other in (full, two):
                     runs.same(self, runs.results(case), runs.results(other), other)
                 part = runs.until(case, case + "Part", "0.01")
-                harness.program("granularGas", "-case", part, ranks=2)
+                harness.program("granularGas", "-case", part)
                 for time in ("0.015", "0.02"):
                     runs.same(self, *(runs.contents(os.path.join(c, time)) for c in (case, part)), time)
 

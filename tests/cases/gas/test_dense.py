@@ -30,7 +30,7 @@ class Dense:
             text = f.read()
         with open(case + "/system/fvSolution", "w") as f:
             f.write(re.sub(r"type \w+;", f"type {acoustics};", text, count=1))
-        harness.edit(case, "system/controlDict", endTime=self.end, writeInterval=self.end / 5)
+        harness.edit(case, "system/controlDict", endTime=self.end, writeInterval=self.end / 10)
         return case
 
     def steps(self, case, ranks=1):
@@ -132,7 +132,7 @@ class Dealt(harness.Folder, unittest.TestCase):
         harness.edit(whole, "system/controlDict", endTime=0.0185, writeInterval=0.0005)
         log = harness.program("granularGas", "-case", whole).stdout
         self.assertGreater(sum(map(int, re.findall(r"implicit acoustics: (\d+) steps", log))), 8)
-        for ranks in (1, 2, 3, 8):
+        for ranks in (1, 2, 5):
             with self.subTest(ranks=ranks):
                 case = runs.until(whole, f"{whole}_{ranks}", 0.0175)
                 harness.edit(case, "system/controlDict", endTime=1)

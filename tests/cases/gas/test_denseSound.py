@@ -100,7 +100,7 @@ class DenseSound(harness.Folder, unittest.TestCase):
         shutil.copytree(whole.path, again)
         for time in ("0.2", "0.3"):
             shutil.rmtree(os.path.join(again, time))
-        self.run_case(again, 2)
+        self.run_case(again)
         said = []
         for case in (whole.path, again):
             with open(os.path.join(case, "0.3", "uniform", "limiter")) as f:
