@@ -76,7 +76,7 @@ class Components(harness.Folder, unittest.TestCase):
         for flux in FLUXES:
             for engine, tolerance in (("lattice", 5e-14), ("polyhedral", 5e-11)):
                 with self.subTest(flux=flux, engine=engine):
-                    found, _ = self.pair(flux + engine, (0, 60, 0), shocked, across, hot, 0.15, flux=flux, engine=engine)
+                    found, _ = self.pair(flux + engine, (0, 40, 0), shocked, across, hot, 0.15, flux=flux, engine=engine)
                     self.assertLess(found, tolerance)
 
     def test_reconstructions(self):

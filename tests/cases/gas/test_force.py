@@ -7,8 +7,9 @@ import numpy as np
 
 from tests.cases import harness, runs
 from tests.cases.harness import boxes
+from studies.checks.errors import blast
 from studies.exact.eos import GoldshteinShapiro
-from studies.exact.riemann import BLAST, Riemann
+from studies.exact.riemann import BLAST
 
 LENGTH, FACE, END = 10.0, 5.0, 1.0
 
@@ -29,7 +30,7 @@ class Force(harness.Folder, unittest.TestCase):
         case = self.blast("-".join(str(a) for a in arguments), *arguments, **options)
         harness.program("granularGas", "-case", case)
         rho = harness.haff.Case(case).field("rho")
-        exact = Riemann(GoldshteinShapiro(1.0), *BLAST).averages(np.linspace(0, LENGTH, len(rho) + 1), FACE, END)[0]
+        exact = blast(GoldshteinShapiro(1.0)).averages(np.linspace(0, LENGTH, len(rho) + 1), FACE, END)[0]
         return np.abs(rho - exact).mean() / np.ptp(exact)
 
     def test_blast(self):

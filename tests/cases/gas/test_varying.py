@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Patches whose values follow a rule, through the whole program: waves that enter, against the exact solution; mass that is given;
 all forms over restarts, ranks, both mesh engines and the tools of others; what is skipped; values that go wrong on the way."""
-import glob
 import os
 import shutil
 import subprocess
@@ -119,7 +118,7 @@ class Mass(harness.Folder, unittest.TestCase):
         np.testing.assert_allclose(gained, given, rtol=1e-11, atol=len(table) * 2e-16 * table[-1, 1])
 
     def test_budget(self):
-        """The mass grows by the rate times t at every step, to round-off of the sum, on both engines, into dense gas and thin,
+        """The mass grows by the rate times t at every step, to round-off of the sum, on both engines, into dense gas and thin;
         on two ranks with the same bits."""
         for engine, rho in (("", 50.0), ("", 1e-3), (POLYHEDRAL.format("CWENO3"), 50.0)):
             with self.subTest(engine=engine, rho=rho):
@@ -128,8 +127,9 @@ class Mass(harness.Folder, unittest.TestCase):
                 given = 0.6 * table[:, 0]
                 self.assertGreater(len(table), 20)
                 self.grown(table, given)
-                other, _ = self.inflow(name + "ranks", "massFlowRate 0.6", engine, 0.2 if rho > 1 else 0.002, ranks=2, rho=rho)
-                runs.same(self, runs.results(case), runs.results(other))
+                if rho > 1:
+                    other, _ = self.inflow(name + "ranks", "massFlowRate 0.6", engine, ranks=2)
+                    runs.same(self, runs.results(case), runs.results(other))
 
     def test_table(self):
         """A rate linear in time, and one in pulses, shorter than a step: the integral is exact, as steps end at the knots."""
@@ -171,14 +171,14 @@ class Forms(harness.Folder, unittest.TestCase):
         return case
 
     def test_restart_and_ranks(self):
-        """Stopped on two ranks and taken up again on one: the bytes of a run that goes through, patches too."""
+        """Stopped and taken up again, every form and either engine once on two ranks first: the bytes of a run that goes through, patches too."""
         for engine in ("", POLYHEDRAL.format("CWENO3")):
             for mass in (False, True):
                 with self.subTest(engine=engine, mass=mass):
                     name = f"{len(engine)}{mass}"
                     through, part = self.case("through" + name, engine, mass), self.case("part" + name, engine, mass, end=0.01)
                     harness.program("granularGas", "-case", through)
-                    harness.program("granularGas", "-case", part, ranks=2)
+                    harness.program("granularGas", "-case", part, ranks=1 + (mass == bool(engine)))
                     harness.edit(part, "system/controlDict", endTime=0.02)
                     harness.program("granularGas", "-case", part)
                     for time in ("0.01", "0.02"):
@@ -198,17 +198,13 @@ class Forms(harness.Folder, unittest.TestCase):
             runs.add(case, "system/controlDict", "writeProcessors yes;\n")
             boxes.write_dictionary(case, "system", "decomposeParDict", "numberOfSubdomains 2; method simple; "
                                    "simpleCoeffs { n (2 1 1); delta 0.001; }\n")
-            self.openfoam(case, "foamToVTK", "-name", "given")
-            self.openfoam(case, "decomposePar", "-force")
-            for folder in glob.glob(case + "/processor*"):
-                shutil.rmtree(folder)
             harness.program("granularGas", "-case", case, ranks=2)
             fields = {name: harness.haff.Case(case).field(name) for name in ("rho", "U", "T")}
-            self.openfoam(case, "foamToVTK", "-latestTime", "-name", "written")
+            self.openfoam(case, "foamToVTK")
             self.openfoam(case, "reconstructPar", "-latestTime")
             for name, values in fields.items():
                 np.testing.assert_allclose(harness.haff.Case(case).field(name), values, rtol=1e-5, atol=1e-5)  # its six digits
-            self.openfoam(case, "decomposePar", "-force", "-latestTime")
+            self.openfoam(case, "decomposePar", "-force", "-time", "0,0.02")
             open(case + "/case.foam", "w").close()
             for reader in (vtk.vtkOpenFOAMReader(), vtk.vtkPOpenFOAMReader()):
                 reader.SetFileName(case + "/case.foam")
