@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Function object image: the pictures of haffPlot at each written time, without a say in the run."""
+import functools
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ import unittest
 from tests.cases import harness, runs
 
 CONTROL = "system/controlDict"
+GAS = os.path.join(harness.BIN, "granularGas")
 IMAGE = "functions {{ pictures {{ type image; fields ({}); {} }} }}\n"
 # Stands in for haffPlot: notes its words, open files and variables, and whether the time is there before and after it was slow.
 STAND_IN = r"""#!/bin/sh
@@ -54,30 +56,35 @@ class Image(harness.Folder, unittest.TestCase):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout
 
+    @functools.cached_property
+    def bare(self):
+        """What a run without pictures has written."""
+        path = runs.make(self.path("bare"), (12, 10, 1), 0.002, interval=0.002)
+        harness.program("granularGas", "-case", path)
+        return runs.contents(path + "/0.002", ("provenance", "checksums", "Ma"))
+
+    def drawn(self, name, fields, more, ranks):
+        """A case with these pictures after its run, whose state is that without them."""
+        path = self.case(name, fields, more + " } more { type writeObjects; objects (Ma);", interval=0.002)
+        self.assertNotIn("noPicture", harness.program("granularGas", "-case", path, ranks=ranks).stdout)
+        runs.same(self, self.bare, runs.contents(path + "/0.002", ("provenance", "checksums", "Ma")))
+        self.assertEqual(sorted(os.listdir(os.path.join(path, "postProcessing"))), ["pictures", "run"])
+        return path
+
     def test_pictures(self):
-        """Those of the command, byte by byte, of each time, in a case with blanks in its name; the state is that without them."""
-        bare = runs.make(self.path("bare"), (12, 10, 1), 0.002, interval=0.001)
-        harness.program("granularGas", "-case", bare)
-        for ranks, fields in ((1, ("U.x", "alpha", "Ma")), (2, ("U.x", "Ma"))):
-            path = self.case(f"with blanks' {ranks}", " ".join(fields), "options (-size 400x300 -contours 3); } more { type writeObjects; objects (Ma);")
-            said = harness.program("granularGas", "-case", path, ranks=ranks).stdout
-            self.assertNotIn("noPicture", said)
-            self.assertEqual(self.pictures(path), sorted(["0.U.x.png", *(f"{t}.{f}.png" for t in runs.times(path)[1:] for f in fields)]))
-            for field in fields[:-1]:
-                own = self.path("own.png")
-                harness.command("Plot", path, field, "-time", "0.001", "-size", "400x300", "-contours", "3", "-o", own)
-                with open(own, "rb") as one, open(os.path.join(path, "postProcessing", "pictures", f"0.001.{field}.png"), "rb") as other:
-                    self.assertEqual(one.read(), other.read(), field)
-            self.assertEqual(sorted(os.listdir(os.path.join(path, "postProcessing"))), ["pictures", "run"])
-            for at in runs.times(bare)[1:]:
-                one, other = (runs.contents(os.path.join(c, at), ("provenance", "checksums", "Ma")) for c in (bare, path))
-                runs.same(self, one, other, at)
+        """Those of the command, byte by byte, of a field of each time and of one that is not there at the start, in a case with blanks in its name."""
+        path = self.drawn("with blanks'", "U.x Ma", "options (-size 400x300 -contours 3);", 1)
+        self.assertEqual(self.pictures(path), ["0.002.Ma.png", "0.002.U.x.png", "0.U.x.png"])
+        own = self.path("own.png")
+        harness.command("Plot", path, "U.x", "-time", "0.002", "-size", "400x300", "-contours", "3", "-o", own)
+        with open(own, "rb") as one, open(os.path.join(path, "postProcessing", "pictures", "0.002.U.x.png"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
 
     def test_formats(self):
-        path = self.case("pdf", "U", "format pdf;", interval=0.002)
-        harness.program("granularGas", "-case", path)
-        self.assertEqual(self.pictures(path), ["0.002.U.pdf", "0.U.pdf"])
-        with open(os.path.join(path, "postProcessing", "pictures", "0.U.pdf"), "rb") as f:
+        """On two ranks."""
+        path = self.drawn("pdf", "Ma", "format pdf;", 2)
+        self.assertEqual(self.pictures(path), ["0.002.Ma.pdf"])
+        with open(os.path.join(path, "postProcessing", "pictures", "0.002.Ma.pdf"), "rb") as f:
             self.assertEqual(f.read(5), b"%PDF-")
 
     def test_missing(self):
@@ -93,10 +100,11 @@ class Image(harness.Folder, unittest.TestCase):
             self.assertEqual(runs.times(path)[-1], "0.002")
 
     def test_failing(self):
-        """One warning with the reason, of all fields and times; -strict, too, lets the run go on."""
-        for name, arguments, ranks, fields in (("plain", (), 1, "U T"), ("ranks", (), 2, "U"), ("strict", ("-strict",), 1, "U")):
+        """One warning with the reason, of all fields and times; -strict, too, lets the run go on. The command itself, and one that fails at once."""
+        failing = self.alone("failing", "#!/bin/sh\necho 'error: -slice q=3' >&2\nexit 1\n")
+        for name, program, arguments, ranks, fields in (("plain", failing, (), 1, "U T"), ("ranks", failing, (), 2, "U"), ("strict", GAS, ("-strict",), 1, "U")):
             path = self.case("failing" + name, fields, "options (-slice q=3);", interval=0.001 if name == "plain" else 0.002)
-            said = harness.program("granularGas", "-case", path, *arguments, ranks=ranks).stdout
+            said = self.run_with(program, "-case", path, *arguments, ranks=ranks)
             self.assertEqual(said.count("[noPicture]"), 1)
             self.assertRegex(said, r"'pictures' could not draw all its pictures, the run goes on: .*-slice q=3")
             self.assertEqual(runs.times(path)[-1], "0.002")
