@@ -285,10 +285,10 @@ class Memory(harness.Folder, unittest.TestCase):
         return channel(case, text % (n, n))
 
     def test_two_dimensions(self):
-        self.assertLess(self.bytes_a_cell("flat", (300, 1080), self.square), 330)
+        self.assertLess(self.bytes_a_cell("flat", (240, 720), self.square), 311)
 
     def test_three_dimensions(self):
-        self.assertLess(self.bytes_a_cell("solid", (24, 96), lambda case, n: room(case, (n, n, n))), 560)
+        self.assertLess(self.bytes_a_cell("solid", (24, 72), lambda case, n: room(case, (n, n, n))), 560)
 
 
 class Refusals(harness.Folder, unittest.TestCase):
