@@ -4,6 +4,7 @@
 A time is lost if the log had reported it ("written: NAME") and it is not whole afterwards: a file missing, or not of the size
 and CRC-32 that its uniform/checksums gives. After each fault the run is taken up again and must come to the same bytes."""
 import dataclasses
+import functools
 import gzip
 import os
 import random
@@ -163,19 +164,25 @@ def kills(folder, count, seed=1):
     return outcome
 
 
+@functools.lru_cache(1)
+def writes_over(folder):
+    """A run of three steps; a case that writes its times again, two of them over old ones; how many calls of it change a file."""
+    straight = straight_run(folder, "each_call", steps=3)
+    base = shutil.copytree(straight, straight + "_base")
+    shutil.rmtree(os.path.join(base, runs.times(straight)[-1]))
+    harness.edit(base, CONTROL, startFrom="firstTime")  # 0.0002 and 0.0004 are written over, 0.0006 is new
+    case = shutil.copytree(base, straight + "_try")
+    calls = int(re.search(r"(\d+) calls", run(case, fault="count:0").stderr)[1])
+    shutil.rmtree(case)
+    return straight, base, calls
+
+
 def at_each_call(folder, kind, done, every=1, seed=1, codes=(0, 3)):
     """The fault replaces each call (or every n-th) that changes a file, of a run that writes new times over old ones."""
     chance = random.Random(seed)
     outcome = Outcome(done)
-    straight = straight_run(folder, kind, steps=3)
-    last = runs.times(straight)[-1]
-    base = shutil.copytree(straight, straight + "_base")
-    shutil.rmtree(os.path.join(base, last))
-    harness.edit(base, CONTROL, startFrom="firstTime")  # 0.0002 and 0.0004 are written over, 0.0006 is new
-    case = straight + "_try"
-    shutil.copytree(base, case)
-    calls = int(re.search(r"(\d+) calls", run(case, fault="count:0").stderr)[1])
-    shutil.rmtree(case)
+    straight, base, calls = writes_over(folder)
+    case, last = straight + "_try", runs.times(straight)[-1]
     if every > 1:
         outcome.done += f" (tried at one of {every} of the {calls} calls)"
     for at in range(1 + chance.randrange(every), calls + 1, every):
@@ -327,6 +334,15 @@ def soft_bed(folder, name):
     return test_softGrains.make(os.path.join(folder, name), "type linear; stiffness 100; friction 0.5;", T=1e-3, alpha=0.1, e=0.9, g=(0, -9.81, 0), end=2.5e-3, interval=5e-4)
 
 
+@functools.lru_cache(1)
+def soft_straight(folder):
+    straight = soft_bed(folder, "soft_straight")
+    done = run(straight, program=DEM)
+    if done.returncode:
+        raise AssertionError(done.stderr)
+    return straight
+
+
 def before_lammps(fault):
     """The environment in which the program beside this file stands before LAMMPS."""
     return {"PATH": os.path.dirname(os.path.abspath(__file__)) + os.pathsep + os.environ["PATH"], "HAFF_FAULT": fault}
@@ -337,10 +353,7 @@ def answers(folder, kinds, seed=1):
     if not shutil.which("lmp"):
         return
     chance = random.Random(seed)
-    straight = soft_bed(folder, "soft_straight")
-    samples = run(straight, program=DEM)
-    if samples.returncode:
-        raise AssertionError(samples.stderr)
+    straight = soft_straight(folder)
     for kind in kinds:
         outcome = Outcome(ANSWERS[kind])
         case = soft_bed(folder, f"soft_{kind}")
@@ -370,8 +383,7 @@ def child_stops(folder):
     """A signal stops the child behind the second written time; it is sent on, or the run is asked to end."""
     if not shutil.which("lmp"):
         return
-    straight = soft_bed(folder, "stops_straight")
-    run(straight, program=DEM)
+    straight = soft_straight(folder)
     for ends in (False, True):
         outcome = Outcome("LAMMPS is stopped (SIGSTOP), then " + ("the run is asked to end (SIGTERM)" if ends else "sent on (SIGCONT)"))
         case = soft_bed(folder, f"stops{ends}")
@@ -395,8 +407,7 @@ def child_killed(folder, count, seed=1):
         return None
     chance = random.Random(seed)
     outcome = Outcome("kill -9 of LAMMPS at random moments")
-    straight = soft_bed(folder, "child_straight")
-    run(straight, program=DEM)
+    straight = soft_straight(folder)
     for k in range(count):
         case = soft_bed(folder, f"child{k}")
         going, text = start(case, command=(DEM,))

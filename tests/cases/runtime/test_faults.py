@@ -118,7 +118,7 @@ class Faults(harness.Folder, unittest.TestCase):
             "grains at 1e300": "grain 1 at .*, far outside of the box", "negative number": "without a number of rows"}
 
     def test_table(self):
-        kills = int(os.environ.get("HAFF_KILLS", 20))
+        kills = int(os.environ.get("HAFF_KILLS", 10))
         seen = set()
         for outcome in faults.every_fault(self.folder, 1 if kills > 100 else 31, kills):
             if not outcome:
