@@ -119,23 +119,22 @@ class General(harness.Folder, unittest.TestCase):
                 self.assertLess(abs(last[0] / mass - 1), 1e-13)
 
     def test_ranks_and_restarts(self):
-        """Every byte that is written, function objects too, on 1, 2 and 3 ranks; and from each time on another number."""
-        for mesh in ("triangles", "tets", "viscous tets"):
+        """Every byte that is written, function objects too, on 3 ranks as on one; and from a time on one rank, from another on 2."""
+        for mesh in ("triangles", "viscous tets"):
             options = runs.SPHERES if mesh.startswith("viscous") else {"e": 0.9, "cooling": "Haff"}
-            case = make(os.path.join(self.folder, "ranks_" + mesh.replace(" ", "_")), MANY[mesh.split()[-1]], 0.002, interval=0.0005,
+            case = make(os.path.join(self.folder, "ranks_" + mesh.replace(" ", "_")), MANY[mesh.split()[-1]], 0.0009, interval=0.0003,
                         tables=True, **options)
             if options is runs.SPHERES:
                 runs.conduct(case)
-            copies = {r: shutil.copytree(case, f"{case}_on{r}/{os.path.basename(case)}") for r in (2, 3)}
+            copy = shutil.copytree(case, f"{case}_on3/{os.path.basename(case)}")
             harness.program("granularGas", "-case", case)
             reference = runs.results(case)
             self.assertIn("postProcessing/points/0/alpha", reference)
-            self.assertIn("postProcessing/line/0.002/a_rho.xy", reference)
+            self.assertIn("postProcessing/line/0.0009/a_rho.xy", reference)
             self.assertGreater(haff.Case(case).mesh.cells, 1500)
-            for ranks, copy in copies.items():
-                with self.subTest(mesh, ranks=ranks):
-                    harness.program("granularGas", "-case", copy, ranks=ranks)
-                    runs.same(self, reference, runs.results(copy))
+            with self.subTest(mesh, ranks=3):
+                harness.program("granularGas", "-case", copy, ranks=3)
+                runs.same(self, reference, runs.results(copy))
             names = runs.times(case)
             for k, name in enumerate(names[1:-1]):
                 with self.subTest(mesh, start=name):

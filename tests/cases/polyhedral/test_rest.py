@@ -32,7 +32,7 @@ def rewrite(path, change):
 
 
 class Rest(harness.Folder, unittest.TestCase):
-    def bed(self, name, mesh="sheared", poly="CWENO3", dt=2e-3, steps=1000, alpha=LAYER, T=5.0, **options):
+    def bed(self, name, mesh="sheared", poly="CWENO3", dt=2e-3, steps=400, alpha=LAYER, T=5.0, **options):
         """Elastic gas at rest, and a run of `steps` steps."""
         n, size, finer = options.pop("n", (16, 20, 1)), options.pop("size", (8.0, 10.0, 0.5)), options.pop("finer", 1)
         case = test_layers.Layers.case(self, name, alpha, n=n, size=size, T=T, **options)
@@ -159,7 +159,7 @@ class Rest(harness.Folder, unittest.TestCase):
         """They take their pressures from the state at rest: where g jumps, and on all cells."""
         for mesh, poly, T in (("boxes", "CWENO3", "y < 3 ? 20 : 500"), ("boxes", "linear", "y < 3 ? 20 : 500"), ("sheared", "CWENO3", 30.0)):
             with self.subTest(f"{mesh} {poly}"):
-                case = self.bed("ruled" + mesh + poly, mesh, poly, steps=1000, alpha="settledLayer { depth 6; packing 0.6; }", T=T, dt=2e-4,
+                case = self.bed("ruled" + mesh + poly, mesh, poly, steps=300, alpha="settledLayer { depth 6; packing 0.6; }", T=T, dt=2e-4,
                                 eos="GoldshteinShapiro")
                 runs.add(case, SCHEMES, "commonCoeffs { shocks on; expansions on; contacts on; }\n")
                 self.assertLess(self.fastest(case), 1e-12)

@@ -134,17 +134,17 @@ class Round(harness.Folder, unittest.TestCase):
         x, rho, u, p = self.blast(n)
         for engine in ("lattice", "CWENO3"):
             with self.subTest(engine):
-                options = {"engine": engine, "interval": 0.03, "control": "adjustableRunTime"}
+                options = {"engine": engine, "interval": 0.01, "control": "adjustableRunTime"}
                 u = u if engine == "lattice" else [*u[:2], x[:, 1]]
-                one = self.case("one" + engine, n, rho, u, p, 0.06, **options)
+                one = self.case("one" + engine, n, rho, u, p, 0.02, **options)
                 harness.program("granularGas", "-case", one)
-                three = self.case("three" + engine, n, rho, u, p, 0.06, **options)
+                three = self.case("three" + engine, n, rho, u, p, 0.02, **options)
                 harness.program("granularGas", "-case", three, ranks=3)
                 runs.same(self, runs.results(one), runs.results(three), "ranks")
-                part = runs.until(one, os.path.join(self.folder, "part" + engine), 0.03)
+                part = runs.until(one, os.path.join(self.folder, "part" + engine), 0.01)
                 harness.program("granularGas", "-case", part)
-                runs.same(self, runs.contents(os.path.join(one, "0.06")), runs.contents(os.path.join(part, "0.06")), "restart")
-        full = self.case("full", n, rho, [*u[:2], 0 * rho], p, 0.06, interval=0.03)
+                runs.same(self, runs.contents(os.path.join(one, "0.02")), runs.contents(os.path.join(part, "0.02")), "restart")
+        full = self.case("full", n, rho, [*u[:2], 0 * rho], p, 0.02, interval=0.01)
         runs.add(full, "system/fvSolution", "skipUniform no;\n")
         harness.program("granularGas", "-case", full)
         runs.same(self, runs.results(os.path.join(self.folder, "onelattice")), runs.results(full), "skipped cells")

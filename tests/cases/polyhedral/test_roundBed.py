@@ -47,15 +47,15 @@ class RoundBed(harness.Folder, unittest.TestCase):
         """2 ranks and a restart on 3 have the bits of a run on one, with the stress that friction keeps."""
         for engine in ("lattice", "linear"):
             with self.subTest(engine):
-                one = self.column("one" + engine, engine, axis=0.0)
+                one = self.column("one" + engine, engine, 0.01, axis=0.0)
                 _, log = test_friction.solve(one)
                 self.assertIn("implicit acoustics", log)
-                two = self.column("two" + engine, engine, axis=0.0)
+                two = self.column("two" + engine, engine, 0.01, axis=0.0)
                 test_friction.solve(two, ranks=2)
                 runs.same(self, runs.results(one), runs.results(two), "ranks")
-                shutil.rmtree(two + "/0.04")
+                shutil.rmtree(two + "/0.01")
                 test_friction.solve(two, ranks=3)
-                runs.same(self, runs.contents(one + "/0.04"), runs.contents(two + "/0.04"), "restart")
+                runs.same(self, runs.contents(one + "/0.01"), runs.contents(two + "/0.01"), "restart")
 
     def test_far(self):
         """At a radius of 500 and of 5000 diameters the difference from the plane is at most twice the width over the radius. With friction it falls

@@ -210,17 +210,17 @@ class RoundFlows(harness.Folder, unittest.TestCase):
                 self.assertLess(abs(spin[1] / spin[0] - 1), 1e-13 if wall == "slip" else 1)
 
     def test_same(self):
-        """1 and 3 ranks, and a restart, give the same bits."""
+        """1 and 3 ranks, and a restart, give the same bits, also of what the gas carries."""
         for engine in ({}, POLYHEDRAL):
             with self.subTest(**engine):
-                name, options = str(len(engine)), {"n": (40, 48, 1), "end": 0.1, "interval": 0.05, **engine}
-                one, three = (self.whirl(name + ranks, **options)[0] for ranks in ("one", "three"))
+                name, options = str(len(engine)), {"n": (40, 48, 1), "end": 0.02, "interval": 0.01, **engine}
+                one, three = (self.carries(name + ranks, **options)[0] for ranks in ("one", "three"))
                 self.run_case(one)
                 self.run_case(three, ranks=3)
                 runs.same(self, runs.results(one), runs.results(three), "ranks")
-                part = runs.until(one, os.path.join(self.folder, name + "part"), 0.05)
+                part = runs.until(one, os.path.join(self.folder, name + "part"), 0.01)
                 self.run_case(part)
-                runs.same(self, runs.contents(os.path.join(one, "0.1")), runs.contents(os.path.join(part, "0.1")), "restart")
+                runs.same(self, runs.contents(os.path.join(one, "0.02")), runs.contents(os.path.join(part, "0.02")), "restart")
 
     def test_axes(self):
         """Flow about the axis y, whose radius is the first axis of the cells, is flow about x with the axes swapped."""
@@ -234,26 +234,26 @@ class RoundFlows(harness.Folder, unittest.TestCase):
         self.assertGreater(np.ptp(fields["x"], axis=0).min(), 0.01)
         np.testing.assert_allclose(fields["y"], fields["x"], rtol=0, atol=1e-12)
 
+    def carries(self, name, **options):
+        case, x = self.whirl(name, **options)
+        runs.add(case, "constant/granularProperties", "carried { dye { type passive; diffusivity 0.3; } mark { type passive; } }\n")
+        for field, values in (("dye", np.where(x[:, 1] < 1.5, 1.0, 0.0)), ("mark", np.full(len(x), 0.3))):
+            boxes.DIMENSIONS[field] = "[0 0 0 0 0 0 0]"
+            boxes.write_field(case, field, values, '".*" zeroGradient\nyLow symmetryPlane\nzEmpty empty')
+        return case, x
+
     def test_carried(self):
-        """What gas carries is conserved over the full turn, within its bounds; a uniform quantity keeps its bits; the same on 3 ranks."""
+        """What gas carries is conserved over the full turn, within its bounds; a uniform quantity keeps its bits."""
         for engine in ({}, POLYHEDRAL):
             with self.subTest(**engine):
-                ends = []
-                for ranks in (1, 3):
-                    case, x = self.whirl(f"carried{ranks}{len(engine)}", **engine)
-                    runs.add(case, "constant/granularProperties", "carried { dye { type passive; diffusivity 0.3; } mark { type passive; } }\n")
-                    for name, values in (("dye", np.where(x[:, 1] < 1.5, 1.0, 0.0)), ("mark", np.full(len(x), 0.3))):
-                        boxes.DIMENSIONS[name] = "[0 0 0 0 0 0 0]"
-                        boxes.write_field(case, name, values, '".*" zeroGradient\nyLow symmetryPlane\nzEmpty empty')
-                    ends.append(self.run_case(case, ranks))
-                one, three = ends
-                amount = [(one.field("alpha", t) * one.field("dye", t) * x[:, 1]).sum() for t in (0, 0.5)]
+                case, x = self.carries(f"carried{len(engine)}", end=0.1, **engine)
+                one = self.run_case(case)
+                amount = [(one.field("alpha", t) * one.field("dye", t) * x[:, 1]).sum() for t in (0, 0.1)]
                 self.assertLess(abs(amount[1] / amount[0] - 1), 1e-13)
                 dye = one.field("dye")
                 self.assertTrue(dye.min() >= 0 and dye.max() <= 1)
                 self.assertGreater(np.abs(dye - one.field("dye", 0)).max(), 0.2)
                 np.testing.assert_array_equal(one.field("mark"), 0.3)
-                np.testing.assert_array_equal(three.field("dye"), dye)
 
     def test_shear_rate(self):
         """A cooling law of the shear rate: rigid rotation has none, u_x = a r that of the plane flow, u = a (-2 x, r) sqrt(12) a."""

@@ -80,19 +80,17 @@ class Friction(harness.Folder, unittest.TestCase):
         return u[..., 0].max() / math.sqrt(G * 0.015), u[..., 1].max() / math.sqrt(G * 0.015)
 
     def test_slopes(self):
-        """tan 18 and tan 20 degrees are below muStatic = 0.38. Without cooling the bed keeps still, too."""
-        for angle in (18, 20):
-            with self.subTest(angle=angle):
-                case = self.slope(angle, 1.2)
-                result, log = solve(case)
-                self.assertNotRegex(log, "noFriction|dampedSound|are left out")
-                along, across = self.speeds(result)
-                self.assertLess(along, 1e-6)
-                self.assertLess(across, 1e-5, "it still contracts as it cools")
-                harness.edit(case, "constant/granularProperties", cooling="none")
-                harness.edit(case, "system/controlDict", endTime=1.6)
-                along, across = self.speeds(solve(case)[0])
-                self.assertLess(max(along, across), 1e-6)
+        """tan 20 degrees is below muStatic = 0.38. Without cooling the bed keeps still, too."""
+        case = self.slope(20, 1.2)
+        result, log = solve(case)
+        self.assertNotRegex(log, "noFriction|dampedSound|are left out")
+        along, across = self.speeds(result)
+        self.assertLess(along, 1e-6)
+        self.assertLess(across, 1e-5, "it still contracts as it cools")
+        harness.edit(case, "constant/granularProperties", cooling="none")
+        harness.edit(case, "system/controlDict", endTime=1.6)
+        along, across = self.speeds(solve(case)[0])
+        self.assertLess(max(along, across), 1e-6)
 
     def test_bagnold(self):
         """Above its angle the layer speeds up to Bagnold's profile with the I at which mu(I) = tan 22 degrees. Cells at the surface, which have
@@ -187,7 +185,7 @@ class Friction(harness.Folder, unittest.TestCase):
         lost = []
         for part in (0, 0.5, 1):
             with self.subTest(part=part):
-                case = self.collapse(f"heating{part}", friction=f"type muI; frictionalHeating {part};")
+                case = self.collapse(f"heating{part}", end=0.03, friction=f"type muI; frictionalHeating {part};")
                 harness.edit(case, "constant/granularProperties", cooling="none")
                 audit.ask(case)
                 result, log = solve(case)
@@ -234,7 +232,7 @@ class Friction(harness.Folder, unittest.TestCase):
 
     # ---- the same bits ----
 
-    def collapse(self, name, mesh="lattice", end=0.03, interval=0.01, **options):
+    def collapse(self, name, mesh="lattice", end=0.015, interval=0.005, **options):
         case = bed(os.path.join(self.folder, name), SIZE, CORNER, (0.0, -G, 0.0), end, interval, **options)
         if mesh == "triangles":
             shutil.rmtree(case + "/constant/polyMesh")
@@ -254,7 +252,7 @@ class Friction(harness.Folder, unittest.TestCase):
         two = self.collapse(mesh + "2", mesh)
         solve(two, 2)
         self.same_times(whole, two, names[1:])
-        for case, at, ranks in ((two, "0.01", 3), (two, "0.02", 1), (whole, "0.02", 2)):
+        for case, at, ranks in ((two, "0.005", 3), (two, "0.01", 1)):
             with self.subTest(mesh, at=at, ranks=ranks):
                 part = runs.until(case, f"{case}_{at}_{ranks}", at)
                 self.assertNotIn("starts without stress", solve(part, ranks)[1])
@@ -264,19 +262,19 @@ class Friction(harness.Folder, unittest.TestCase):
     def test_lattice(self):
         """Also by stops at each time that is written. A time folder without stress is a start of its own, and the log says so."""
         whole = self.ranks_and_restarts("lattice")
-        folder = os.path.join(whole, "0.02", "uniform")
+        folder = os.path.join(whole, "0.01", "uniform")
         self.assertEqual(sorted(n for n in os.listdir(folder) if n.startswith("friction")), sorted(KEPT))
         stops = runs.until(whole, whole + "_stops", "0")
         harness.edit(stops, "system/controlDict", stopAt="nextWrite")
         for name in runs.times(whole)[1:]:
-            solve(stops, 1 + (name == "0.02"))
+            solve(stops, 1 + (name == "0.01"))
             self.same_times(whole, stops, [name])
-        lost = runs.until(whole, whole + "_lost", "0.02")
+        lost = runs.until(whole, whole + "_lost", "0.01")
         for name in ["checksums"] + KEPT:
-            os.remove(os.path.join(lost, "0.02", "uniform", name))
+            os.remove(os.path.join(lost, "0.01", "uniform", name))
         result, log = solve(lost)
-        self.assertIn("friction starts without stress: time 0.02 has no uniform/frictionPressure", log)
-        self.assertTrue((result.field("U", "0.03") != harness.haff.Case(whole).field("U", "0.03")).any())
+        self.assertIn("friction starts without stress: time 0.01 has no uniform/frictionPressure", log)
+        self.assertTrue((result.field("U", "0.015") != harness.haff.Case(whole).field("U", "0.015")).any())
 
     @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
     def test_triangles(self):

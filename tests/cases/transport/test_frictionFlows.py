@@ -21,8 +21,8 @@ def shear_rate(tau, p):
 
 
 def profile(height, tau, p):
-    """Speed at 200,001 places from the wall on; tau, p: functions of the distance from it."""
-    y = np.linspace(0, height, 200001)
+    """Speed at 20,001 places from the wall on; tau, p: functions of the distance from it."""
+    y = np.linspace(0, height, 20001)
     rate = shear_rate(tau(y), p(y))
     return y, np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(y))])
 
@@ -127,20 +127,19 @@ class FrictionFlows(harness.Folder, unittest.TestCase):
 
     def test_lid(self):
         """Gas of weight 1 under a lid that presses with 0.5 and moves with 1: the lid's force, and the speeds below it."""
-        found = []
+        found, (low, high) = [], (MU_S * 0.5, MU_2 * 0.5)
+        for _ in range(60):
+            tau = (low + high) / 2
+            y, exact = profile(1, lambda y: tau + 0 * y, lambda y: 1.5 - y)
+            low, high = (tau, high) if exact[-1] < 1 else (low, tau)
         for cells in (32, 64):
             forces = "functions { lid { type forces; patches (yHigh); CofR (0 0 0); writeControl writeTime; } }\n"
             walls = ("noSlip", "frictionalSlip; muWall 10; U (1 0 0)")
             result = self.case("lid", 1, cells, 1.0, lambda y: 1.5 - y, (0.0, -1 / RHO, 0.0), walls, 20.0, forces)
             with open(os.path.join(result.path, "postProcessing", "lid", "0", "force.dat")) as f:
                 force = -float(f.read().splitlines()[-1].split("(")[1].split()[0])
-            low, high = MU_S * 0.5, MU_2 * 0.5
-            for _ in range(60):
-                tau = (low + high) / 2
-                y, exact = profile(1, lambda y: tau + 0 * y, lambda y: 1.5 - y)
-                low, high = (tau, high) if exact[-1] < 1 else (low, tau)
-            exact = np.interp(result.centres[:, 1], y, exact)
-            found.append((force / tau - 1, np.abs(result.field("U")[:, 0] - exact).sum() / exact.sum()))
+            speed = np.interp(result.centres[:, 1], y, exact)
+            found.append((force / tau - 1, np.abs(result.field("U")[:, 0] - speed).sum() / speed.sum()))
         self.assertLess(abs(found[1][0]), 1e-3)
         self.assertLess(found[1][1], 0.015)
         for coarse, fine in zip(*found):

@@ -89,7 +89,7 @@ class SteadyFlows(harness.Folder, unittest.TestCase):
                 (0.9, 0.02, [absorbs, POLYHEDRAL], 1.9, 9e-4), (0.8, 0.0, [absorbs], 1.9, 4.2e-4)):
             with self.subTest(restitution=e, gravity=gravity, other=other):
                 errors, order = self.errors("heatedWalls", (20, 40), lambda case: disks.heated_walls(case, garzoDufty.Grains(3, e), gravity),
-                                            (("T",), ("alpha",), ("p",)), {}, {"maxCo": 0.8, "endTime": 2000, "writeInterval": 2000},
+                                            (("T",), ("alpha",), ("p",)), {}, {"maxCo": 0.8, "endTime": 600, "writeInterval": 600},
                                             [spheres(e, gravity), *other])
                 self.assertGreater(order.min(), least, f"orders {order}, errors {errors}")
                 self.assertLess(errors[-1].max(), MARGIN * measured)
