@@ -100,7 +100,7 @@ add_custom_target(container COMMAND ${here}/makeContainer VERBATIM)
 # A site of the documents, in build/site.
 add_custom_target(site COMMAND /usr/bin/python3 -B ${CMAKE_SOURCE_DIR}/docs/makeSite ${CMAKE_BINARY_DIR}/site VERBATIM)
 
-# Packages for Debian:  cd build && cpack. What they need of libraries is found by dpkg-shlibdeps.
+# Packages for Debian:  cd build && cpack. What they need of libraries is found by dpkg-shlibdeps (debian.cmake).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME haff)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "gas dynamics of granular matter")
@@ -116,8 +116,6 @@ set(CPACK_PRE_BUILD_SCRIPTS ${here}/debian.cmake)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS OFF) # headers and archives, which cpack would call `file` on one by one
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME haff)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "python3, python3-numpy, python3-matplotlib, openmpi-bin")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "gmsh, python3-scipy, haff-implicit")

@@ -96,7 +96,7 @@ class Recipes(unittest.TestCase):
     def test_4_they_compile_and_their_tables_pass(self):
         build = os.path.join(self.tree, "build")
         if PLAIN:
-            self.keep_configuration(build)
+            outside.keep_configuration(build, self.tree)
         tests = ["libcore_" + os.path.basename(name) for name in TABLE_TESTS]
         with open(os.path.join(self.tree, "CMakeLists.txt"), "a", encoding="utf-8") as file:
             file.write(f"add_custom_target(wanted DEPENDS granularGas {' '.join(tests)})\n")  # of several targets make looks at each library anew
@@ -112,15 +112,6 @@ class Recipes(unittest.TestCase):
         for heading, (_, name) in RECIPES.items():
             self.assertIn(name or "", listed, f"{heading}: -listModels does not show {name}")
         self.run_all_of_them(solver)
-
-    def keep_configuration(self, build):
-        """What CMake found out about compiler and libraries for the build of this tree."""
-        for folder in glob.glob(os.path.join(outside.BUILD, "CMakeFiles", "[0-9]*")):
-            shutil.copytree(folder, os.path.join(build, "CMakeFiles", os.path.basename(folder)))
-        with open(os.path.join(outside.BUILD, "CMakeCache.txt"), encoding="utf-8") as file:
-            text = file.read().replace(outside.BUILD, build).replace(SOURCE, self.tree)
-        with open(os.path.join(build, "CMakeCache.txt"), "w", encoding="utf-8") as file:
-            file.write(text)
 
     def keep_objects(self, build):
         """Objects that read no file of a recipe are copied from the build of this tree: make takes them for new. The others are compiled."""

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Calls programs as one does who has neither the source tree nor the build: nothing of either is in the environment."""
+import glob
 import os
 import re
+import shutil
 import subprocess
 
 from tests.cases import harness
@@ -35,6 +37,18 @@ def cached(name):
     with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as file:
         found = re.search(rf"^{name}:\w+=(.*)$", file.read(), re.M)
     return found[1] if found else ""
+
+
+def keep_configuration(folder, source=harness.SOURCE):
+    """What CMake found out about compiler and libraries for the build of this tree, for another one of `source` in `folder`: it takes a fifth
+    of the time then. Options are left out."""
+    for path in glob.glob(os.path.join(BUILD, "CMakeFiles", "[0-9]*")):
+        shutil.copytree(path, os.path.join(folder, "CMakeFiles", os.path.basename(path)))
+    places = {cached("CMAKE_CACHEFILE_DIR"): folder, cached("CMAKE_HOME_DIRECTORY"): source}
+    with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as file:
+        text = re.sub("|".join(map(re.escape, places)), lambda found: places[found[0]], file.read())
+    with open(os.path.join(folder, "CMakeCache.txt"), "w", encoding="utf-8") as file:
+        file.write(re.sub(r"(?m)^(//.*\n)*(HAFF_\w+|BUILD_TESTING|CMAKE_BUILD_TYPE|CMAKE_C_FLAGS\w*|CMAKE_EXPORT\w+):.*\n", "", text))
 
 
 def texts(folder):

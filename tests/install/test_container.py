@@ -81,6 +81,7 @@ class Container(unittest.TestCase):
         configure = next(rest for name, rest in build if rest.startswith("cmake -S")).split("&&")[0]
         with harness.tempfile.TemporaryDirectory(prefix="haff") as folder:
             words = [w.replace("/haff/build", folder) if "build" in w else w.replace("/haff", harness.SOURCE) for w in shlex.split(configure)]
+            outside.keep_configuration(folder)
             call(*words, cwd=folder)
             self.assertTrue(os.path.exists(os.path.join(folder, "CPackConfig.cmake")))
 

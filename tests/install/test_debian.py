@@ -14,7 +14,7 @@ from tests.install import outside
 from tests.install.outside import COMMANDS, LIBRARIES, MODULE, PROGRAMS, call
 from tests.postprocessing.runs.test_run import tube
 
-TOOLS = "cpack dpkg-deb dpkg-shlibdeps file apt-get gzip readelf".split()
+TOOLS = "cpack dpkg-deb dpkg-shlibdeps apt-get gzip readelf".split()
 # A new root of $1: the system's /usr below that of $2, as overlay; the rest of the arguments is called there.
 ENTER = """set -e
 new=$1 clean=$2; shift 2

@@ -207,7 +207,7 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
 class Configuring(harness.Folder, unittest.TestCase):
     def configure(self, *options, code=0):
         """Configures in a new folder on a system that has no cmocka: all libraries of its folder are hidden, the others given."""
-        folder = os.path.join(self.folder, "build" + str(len(os.listdir(self.folder))))
+        folder = os.path.join(self.folder, "hidden")
         libraries = {name: outside.cached(name) for name in ("p4est_LIBRARY", "sc_LIBRARY", "metis_LIBRARY", "lapacke_LIBRARY", "deflate_LIBRARY")}
         hidden = {os.path.dirname(path) for path in libraries.values()}
         hidden = ";".join(sorted(hidden | {path.removeprefix("/usr") for path in hidden}))
@@ -226,7 +226,9 @@ class Configuring(harness.Folder, unittest.TestCase):
 
     def test_warnings(self):
         """Warnings are no errors to a user of whatever compiler; they are to ./Alltest, also in a build that another command made."""
-        folder, _ = self.configure("-DBUILD_TESTING=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON")
+        folder = os.path.join(self.folder, "plain")
+        outside.keep_configuration(folder)
+        call("cmake", "-S", harness.SOURCE, "-B", folder, "-DBUILD_TESTING=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", cwd=self.folder)
         with open(os.path.join(folder, "compile_commands.json"), encoding="utf-8") as file:
             self.assertNotIn("-Werror", file.read())
         top, fake = os.path.join(self.folder, "tree"), os.path.join(self.folder, "fake")
