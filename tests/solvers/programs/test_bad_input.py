@@ -16,6 +16,8 @@ from tests.solvers.programs.bad_meshes import BOX_MESH, CONVERSION, MESH_FILE, R
 from tests.solvers.programs.bad_rows import COMMANDS, CONTROL, DICTIONARIES, FIELDS, PROPERTIES, Row
 from tests.solvers.programs.bad_warnings import HARMLESS, WARNINGS
 
+SOLVER = 5  # every fifth mistake is shown to granularGas, too: a run begins with the reading that is all of checkCase (run.c)
+
 
 def snapshot(folder):
     """Every folder and file below, with the size and hash of its contents."""
@@ -87,7 +89,7 @@ class BadInput(Folder):
         for name in {row.base for row in rows}:
             self.base(name)
         with ThreadPoolExecutor(4) as pool:
-            outcomes = [pool.submit(self.outcome, row, commands) for row in rows]
+            outcomes = [pool.submit(self.outcome, row, commands if k % SOLVER == 0 else commands[:1]) for k, row in enumerate(rows)]
         for row, outcome in zip(rows, outcomes):
             with self.subTest(row.name):
                 place, tried = outcome.result()
@@ -115,7 +117,7 @@ class BadInput(Folder):
 
     def test_warnings(self):
         """Named with file and line, and counted; an error with -strict; accepted by name, all is sound."""
-        for row in WARNINGS:
+        for k, row in enumerate(WARNINGS):
             with self.subTest(row.name):
                 case = os.path.join(tempfile.mkdtemp(dir=self.folder), "case")
                 shutil.copytree(self.base("box"), case)
@@ -126,7 +128,7 @@ class BadInput(Folder):
                 for text in (place, *says):
                     self.assertIn(text, found[0][0])
                 self.assertIn(f"The case can be run, with 1 warning: {name}\n", said)
-                for command in (("checkCase", case, "-strict"), ("granularGas", "-case", case, "-strict")):
+                for command in (("checkCase", case, "-strict"), ("granularGas", "-case", case, "-strict"))[:2 if k % SOLVER == 0 else 1]:
                     self.refuse(self.call(*command), place, (f"-strict: warning {name}", f"acceptWarnings ({name});"))
                 with open(os.path.join(case, CONTROL), "a") as f:
                     f.write(f"acceptWarnings ({name});\n")
