@@ -41,14 +41,14 @@ def cached(name):
 
 def keep_configuration(folder, source=harness.SOURCE):
     """What CMake found out about compiler and libraries for the build of this tree, for another one of `source` in `folder`: it takes a fifth
-    of the time then. Options are left out."""
+    of the time then. Options and the generator are left out."""
     for path in glob.glob(os.path.join(BUILD, "CMakeFiles", "[0-9]*")):
         shutil.copytree(path, os.path.join(folder, "CMakeFiles", os.path.basename(path)))
     places = {cached("CMAKE_CACHEFILE_DIR"): folder, cached("CMAKE_HOME_DIRECTORY"): source}
     with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as file:
         text = re.sub("|".join(map(re.escape, places)), lambda found: places[found[0]], file.read())
     with open(os.path.join(folder, "CMakeCache.txt"), "w", encoding="utf-8") as file:
-        file.write(re.sub(r"(?m)^(//.*\n)*(HAFF_\w+|BUILD_TESTING|CMAKE_BUILD_TYPE|CMAKE_C_FLAGS\w*|CMAKE_EXPORT\w+):.*\n", "", text))
+        file.write(re.sub(r"(?m)^(//.*\n)*(HAFF_\w+|BUILD_TESTING|CMAKE_GENERATOR\w*|CMAKE_MAKE_PROGRAM|CMAKE_BUILD_TYPE|CMAKE_C_FLAGS\w*|CMAKE_EXPORT\w+):.*\n", "", text))
 
 
 def texts(folder):
