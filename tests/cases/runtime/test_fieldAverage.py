@@ -134,10 +134,10 @@ class FieldAverage(harness.Folder, unittest.TestCase):
 
     def test_restart(self):
         """Binary and ascii of few digits; other ranks; tables of the restarted run."""
-        for name, ranks, options in (("binary", 2, {}), ("ascii", 3, {"format": "ascii", "digits": 3, "compression": "on", "hole": True})):
+        for name, others, options in (("binary", 2, {}), ("ascii", 3, {"format": "ascii", "digits": 3, "compression": "on", "hole": True})):
             case = averaged(self.path(name), "timeStart 0.003;", **options)
             harness.program("granularGas", "-case", case)
-            for stop in ("0.005", "0.01"):
+            for stop, ranks in (("0.005", 1), ("0.01", others)):
                 part = runs.until(case, f"{case}_{stop}", stop)
                 harness.program("granularGas", "-case", part, ranks=ranks)
                 for time in runs.times(case):

@@ -70,7 +70,7 @@ class Pieces(harness.Folder, unittest.TestCase):
         self.assertTrue(one == three)
 
     def test_a_room(self):
-        self.compare("room", lambda path: meshes.room(path, (44, 26, 24)), 2)
+        self.compare("room", lambda path: meshes.room(path, (44, 18, 16)), 2)
 
     def test_axes_in_odd_order(self):
         """A 2D mesh in x and z, whose third axis of cells is y."""

@@ -15,7 +15,7 @@ READERS = READER % ("ends", "fieldMinMax", FIELDS, "") + "".join(
 class UniformBlocks(harness.Folder, unittest.TestCase):
     def tables(self, skip, ranks=1):
         case = harness.copy("wedge", self.folder)
-        harness.mesh(case, 200)
+        harness.mesh(case, 120)
         control = os.path.join(case, "system", "controlDict")
         with open(control) as f:
             text = f.read()

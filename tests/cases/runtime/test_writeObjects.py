@@ -96,7 +96,7 @@ class WriteObjects(harness.Folder, unittest.TestCase):
             harness.program("granularGas", "-case", two, ranks=3)
             harness.program("granularGas", "-case", bare)
             part = runs.until(one, self.path(name + "part"), "0.001")
-            harness.program("granularGas", "-case", part, ranks=2)
+            harness.program("granularGas", "-case", part)
             for time in runs.times(one)[1:]:
                 first = runs.contents(os.path.join(one, time))
                 self.assertTrue({"Ma", "vorticity", "gradAlpha", "Kn", "c", "vorticityMean"} <= set(first))
