@@ -325,8 +325,8 @@ def files(case, folder, names=None):
     return found
 
 
-def make(name, row, case):
-    """The case in its short form; returns the log of gmshToCase where it has a mesh.geo."""
+def make(name, row, case, mesh=mesh):
+    """The case in its short form; returns what `mesh` does, the log of gmshToCase, where it has a mesh.geo."""
     if callable(row.source):
         row.source(case)
     else:

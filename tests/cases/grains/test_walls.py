@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import subprocess
 import unittest
 
 import numpy as np
@@ -68,8 +67,7 @@ def make(case, geo=None, alpha=0.3, e=1, threshold=0, end=1, interval=1, g=None,
     if geo:
         with open(os.path.join(case, "mesh.geo"), "w") as f:
             f.write(geo)
-        subprocess.run(["gmsh", f"-{dim}", "-v", "2", "mesh.geo", "-o", "mesh.msh"], cwd=case, check=True, capture_output=True)
-        harness.program("gmshToCase", os.path.join(case, "mesh.msh"), "-case", case)
+        harness.mesh(case, 0, option="unused")
     return case
 
 
@@ -115,8 +113,7 @@ class Walls(harness.Folder, unittest.TestCase):
             runs.same(self, results(whole, at), results(parts, at), at)
         with open(os.path.join(parts, "mesh.geo"), "w") as f:
             f.write(ROOM.replace("{9, 7,", "{9, 7.1,").replace("{12, 7,", "{12, 7.1,").replace("{6, 7,", "{6, 7.1,"))
-        subprocess.run(["gmsh", "-2", "-v", "2", "mesh.geo", "-o", "mesh.msh"], cwd=parts, check=True, capture_output=True)
-        harness.program("gmshToCase", os.path.join(parts, "mesh.msh"), "-case", parts)
+        harness.mesh(parts, 0, option="unused")
         harness.edit(parts, "system/controlDict", endTime=3)
         done = harness.program("granularMD", "-case", parts, check=False)
         self.assertEqual(done.returncode, 1)

@@ -58,16 +58,14 @@ def make(case, geo, end, uniform=False, tables=False, **options):
     harness.box_case(case, (1, 1, 1), (1, 1, 1), one, np.zeros((1, 3)), one, end, **options)
     with open(case + "/mesh.geo", "w") as f:
         f.write(geo.replace('"wall"', '"side"') if uniform else geo)  # by that name its patch would be of type wall
-    dim = "-3" if "Extrude" in geo else "-2"
-    subprocess.run(["gmsh", dim, "-v", "1", case + "/mesh.geo", "-o", case + "/mesh.msh"], check=True, capture_output=True)
-    harness.program("gmshToCase", case + "/mesh.msh", "-case", case)
+    harness.mesh(case, 0, option="unused")
     os.remove(case + "/mesh.msh")
     at = haff.Case(case).centres
     away = (at[:, 0] - 0.25) ** 2 + (at[:, 1] - 0.4) ** 2
     rho, p = 100 + 20 * np.cos(3 * at[:, 0]), np.where(away < 0.02, 20000.0, 2000.0)
     u = np.stack([2 * np.sin(at[:, 0] + at[:, 1]), 3 * at[:, 0], 0 * rho], axis=1)
     if uniform:
-        rho, p, u = np.full(len(at), 37.3), np.full(len(at), 1234.5), np.tile([3.1, -1.7, 2.3 if dim == "-3" else 0.0], (len(at), 1))
+        rho, p, u = np.full(len(at), 37.3), np.full(len(at), 1234.5), np.tile([3.1, -1.7, 2.3 if "Extrude" in geo else 0.0], (len(at), 1))
     write_fields(case, rho, p, u, "zeroGradient" if uniform else "slip")
     runs.add(case, "system/fvSchemes", "divSchemes { } gradSchemes { } laplacianSchemes { }\n")
     if tables:

@@ -37,10 +37,13 @@ class All(harness.Folder, unittest.TestCase):
         with open(os.path.join(harness.SOURCE, "docs", "benchmarks.json"), encoding="utf-8") as f:
             names = [name for benchmark in json.load(f) for name in benchmark["cases"]]
         self.assertGreater(len(names), 10)
+        meshes = {}
+        for name in names:
+            parity.make(name, parity.SHIPPED[name], os.path.join(self.folder, name), mesh=meshes.__setitem__)
+        harness.meshes(meshes)
         for name in names:
             with self.subTest(name):
                 row, case = parity.SHIPPED[name], os.path.join(self.folder, name)
-                parity.make(name, row, case)
                 solver = parity.application(case)
                 if solver == "granularDEM" and not shutil.which("lmp"):
                     continue  # LAMMPS is not installed

@@ -45,9 +45,9 @@ class HomogeneousShear(harness.Folder, unittest.TestCase):
         """T and p of the table to 1e-6, on both engines: the error of the splitting, which the next test has of second order."""
         rows = table()
         for e, friction, nu, courant, end, changes in (
-                ("0.7", "0", "0.2", 0.4, 60, ()), ("0.7", "0", "0.3", 0.4, 30, ()), ("0.7", "0", "0.48", 0.2, 12, ()),
-                ("0.7", "0", "0.5", 0.15, 10, ()), ("0.7", "0", "0.55", 0.15, 5, ()), ("0.7", "0", "0.6", 0.3, 2, ()),
-                ("0.9", "0.5", "0.55", 0.15, 5, [POLYHEDRAL])):
+                ("0.7", "0", "0.2", 0.4, 36, ()), ("0.7", "0", "0.3", 0.4, 18, ()), ("0.7", "0", "0.48", 0.2, 7, ()),
+                ("0.7", "0", "0.5", 0.15, 6, ()), ("0.7", "0", "0.55", 0.15, 3, ()), ("0.7", "0", "0.6", 0.3, 1.2, ()),
+                ("0.9", "0.5", "0.55", 0.3, 3, [POLYHEDRAL])):
             with self.subTest(e=e, friction=friction, nu=nu):
                 self.assertLess(max(self.shear(rows[e, friction, nu], courant, end, changes)), 1e-6)
 

@@ -59,7 +59,7 @@ class ViscousTriangles(harness.Folder, unittest.TestCase):
     def test_friction(self):
         """Walls of Johnson & Jackson drag gas that slips along them."""
         errors, walls = self.errors("couetteDisks", disks.frictional, (12, 24), change=channels.friction, maxCo=0.8,
-                                    endTime=1200, writeInterval=1200)
+                                    endTime=800, writeInterval=800)
         order = np.log2(errors[0] / errors[1])
         self.assertGreater(order.min(), 1.7, f"orders {order}")
         self.assertLess(errors[1].max(), 2e-4, f"errors {errors}")
