@@ -67,16 +67,16 @@ class Friction(harness.Folder, unittest.TestCase):
 
     def slope(self, angle, end, **options):
         a = math.radians(angle)
-        return bed(os.path.join(self.folder, f"slope{angle}{end}"), (4, 24, 1), "y < 0.015 ? 0.6 : 1e-6", (G * math.sin(a), -G * math.cos(a), 0.0), end,
+        return bed(os.path.join(self.folder, f"slope{angle}{end}"), (2, 24, 1), "y < 0.015 ? 0.6 : 1e-6", (G * math.sin(a), -G * math.cos(a), 0.0), end,
                    periodic="x", **options)
 
     def speeds(self, result):
         """max |u_x| and |u_y| over sqrt(g depth) of the rows that are packed and have a packed one above them."""
-        alpha, y = (v.reshape(24, 4) for v in (result.field("alpha"), result.centres[:, 1]))
+        alpha, y = (v.reshape(24, 2) for v in (result.field("alpha"), result.centres[:, 1]))
         rows = np.flatnonzero((alpha > PACKED).all(axis=1))
         self.assertEqual(list(rows), list(range(14)), "the layer lies on the floor")
         self.assertTrue((np.diff(y[:, 0]) > 0).all())
-        u = np.abs(result.field("U").reshape(24, 4, 3)[:13])
+        u = np.abs(result.field("U").reshape(24, 2, 3)[:13])
         return u[..., 0].max() / math.sqrt(G * 0.015), u[..., 1].max() / math.sqrt(G * 0.015)
 
     def test_slopes(self):
@@ -99,7 +99,7 @@ class Friction(harness.Folder, unittest.TestCase):
         result, _ = solve(self.slope(22, 2.0))
         a = math.radians(22)
         inertia = 0.279 / ((0.64 - 0.38) / (math.tan(a) - 0.38) - 1)
-        alpha, u = (v.reshape(24, 4)[:, 0] for v in (result.field("alpha"), result.field("U")[:, 0]))
+        alpha, u = (v.reshape(24, 2)[:, 0] for v in (result.field("alpha"), result.field("U")[:, 0]))
         depth, y = alpha.sum() * D / 0.64, (np.arange(10) + 0.5) * D
         exact = 2 / 3 * inertia / D * math.sqrt(0.64 * G * math.cos(a)) * (depth ** 1.5 - (depth - y) ** 1.5)
         np.testing.assert_allclose(u[:10], exact, rtol=0.03)
