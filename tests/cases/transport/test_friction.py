@@ -96,7 +96,7 @@ class Friction(harness.Folder, unittest.TestCase):
         """Above its angle the layer speeds up to Bagnold's profile with the I at which mu(I) = tan 22 degrees. Cells at the surface, which have
         cohesion (docs/physics.md 9.3) and a load of thin gas, are left out; 22 degrees is that near to the angle at which the layer stops that
         0.002 of mu are 8 % of u. test_frictionFlows is stricter."""
-        result, _ = solve(self.slope(22, 2.0))
+        result, _ = solve(self.slope(22, 1.4))
         a = math.radians(22)
         inertia = 0.279 / ((0.64 - 0.38) / (math.tan(a) - 0.38) - 1)
         alpha, u = (v.reshape(24, 2)[:, 0] for v in (result.field("alpha"), result.field("U")[:, 0]))
