@@ -87,6 +87,22 @@ def packing_at(case, moments, width, height, across=True):
     return fig
 
 
+def titled(figure):
+    return [*([figure._suptitle] if figure._suptitle else []), *figure.axes]
+
+
+def places(figure):
+    """Where title and axes of a figure lie that was laid out."""
+    return [part.get_position(original=True) if part in figure.axes else part.get_position() for part in titled(figure)]
+
+
+def place(figure, where):
+    """The places of another picture of the same film, whose layout need not be found again: that takes a quarter of the time."""
+    figure.set_layout_engine("none")
+    for part, at in zip(titled(figure), where):
+        part.set_position(at)
+
+
 def save(figure, path, dpi=None):
     """Writes the figure in the format of the suffix, under a temporary name first; prints its path."""
     suffix = kind(path)

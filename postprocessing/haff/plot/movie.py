@@ -32,12 +32,15 @@ def frames(space, wish, folder):
                                   f"{' (' + times[0] + ')' if times else ''}; a film needs two: write more often (writeInterval), or use haffPlot")
     if not wish.span:
         wish = dataclasses.replace(wish, span=span(space, wish, times))
-    paths = []
+    paths, places = [], None
     for k, time in enumerate(times):
         paths.append(os.path.join(folder, f"{k:06d}.png"))
         figure = picture.draw(space, dataclasses.replace(wish, time=time))
         even(figure, wish.dpi)
+        if places:
+            figures.place(figure, places)
         figure.savefig(paths[-1], format="png", dpi=wish.dpi)
+        places = places or figures.places(figure)
         figures.plt.close(figure)
         if sys.stderr.isatty():
             print(f"\r{k + 1} of {len(times)}", end="\n" if k + 1 == len(times) else "", file=sys.stderr, flush=True)

@@ -112,7 +112,7 @@ class Painter:
 
 
 def drawn(figure, places=None):
-    """(image, places of its axes) of a figure, which is closed. places: of another picture of the same film, whose layout need not be found again."""
+    """(image, places of its axes) of a figure, which is closed. places: of another picture of the same film (figures.place)."""
     from PIL import Image
     try:
         figure.set_dpi(PIXELS_PER_INCH)
@@ -121,14 +121,12 @@ def drawn(figure, places=None):
             if figure.get_figwidth() < NARROW and isinstance(ax.xaxis.get_major_locator(), MaxNLocator):
                 ax.xaxis.get_major_locator().set_params(nbins=4)
         if places:
-            figure.set_layout_engine("none")
-            for ax, place in zip(figure.axes, places):
-                ax.set_position(place)
+            figures.place(figure, places)
         else:
             figure.get_layout_engine().execute(figure)  # it is right the second time, when drawn: colour bars follow the picture
         figure.canvas.draw()
         image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
-        return image, [ax.get_position(original=True) for ax in figure.axes]
+        return image, figures.places(figure)
     finally:
         figures.plt.close(figure)
 
