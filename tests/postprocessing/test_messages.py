@@ -9,9 +9,9 @@ import shutil
 import subprocess
 import sys
 import unittest
-import unittest.mock
 
 from tests.cases import harness
+from tests.postprocessing.report import made
 
 from haff import __main__ as haff_main, command
 
@@ -61,14 +61,6 @@ def emptied(path):
 def head_only(case, name):
     path = os.path.join(case, name)
     write(path, b"".join(line + b"\n" for line in text(path).split(b"\n") if line.startswith(b"#")))
-
-
-@contextlib.contextmanager
-def white():
-    """Figures are set up and saved, but nothing is drawn on them, which takes most of the time."""
-    from matplotlib import figure, layout_engine
-    with unittest.mock.patch.object(figure.Figure, "draw"), unittest.mock.patch.object(layout_engine.ConstrainedLayoutEngine, "execute"):
-        yield
 
 
 DRAWING = ("Plot", "Movie", "contours")  # which take most of the time where nothing is wrong for them
@@ -161,7 +153,7 @@ class Messages(harness.Folder, unittest.TestCase):
             out = self.out()
             drawn = re.search("mesh|cells|point|patch|field|binary|values|number|zip|time|empty", name)
             other = re.search("number|half-written", name)  # than the sound case's: what there is to be drawn
-            with self.subTest(name), contextlib.nullcontext() if other else white():
+            with self.subTest(name), contextlib.nullcontext() if other else made.white():
                 self.look(case, [words for words in self.calls(case, out) if drawn or words[0] not in DRAWING])
                 if "table" in name:
                     self.look(case, [["Log", case, "-o", os.path.join(out, "log.png")]])

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small cases with what a run leaves, for tests of reports: nothing is run."""
+import contextlib
 import json
 import os
+import unittest.mock
 
 import numpy as np
 
@@ -37,6 +39,14 @@ dictionaries
     }
 }
 """
+
+
+@contextlib.contextmanager
+def white():
+    """Figures are set up and saved, but nothing is drawn on them, which takes most of the time: for tests that do not look at pictures."""
+    from matplotlib import figure, layout_engine
+    with unittest.mock.patch.object(figure.Figure, "draw"), unittest.mock.patch.object(layout_engine.ConstrainedLayoutEngine, "execute"):
+        yield
 
 
 def write(path, text):

@@ -112,6 +112,7 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertNotIn("<", shown.split('id="data">')[1].split("</script>")[0])
         self.assertIn("\\udcff", shown)
 
+    @made.white()
     def test_damaged_file(self):
         """A field that was cut in the middle, and one that is empty, are named on the page and in the terminal, with the cure."""
         path = made.gas(self.place(), (6, 5, 1))
@@ -126,6 +127,7 @@ class Reports(harness.Folder, unittest.TestCase):
             self.assertRegex(text, rf"<strong>warning</strong> \S*/{file}: ")
         self.assertEqual(told.count("warning"), 2)
 
+    @made.white()
     def test_changed_dictionaries(self):
         """After a run restitution is edited: the page has that of the run, by its log, or by the record of the last time where the log is of no
         run, and says that the file has changed. A file that is newer, but says the same, has not."""
@@ -149,6 +151,7 @@ class Reports(harness.Folder, unittest.TestCase):
             self.assertIn("<dt>restitution</dt><dd>0.9</dd>", shown)
             self.assertIn("<strong>warning</strong> constant/granularProperties has changed since", shown)
 
+    @made.white()
     def test_change_over_the_start(self):
         """A mass that grows from 21580 to 30194 has changed by 39.9 %: run.dat, over the larger of both, says 0.285. Of a mass that was 0 the page
         has its value."""
@@ -193,6 +196,7 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertEqual(profiles[0]["x"], "x (m)")
         self.assertEqual(len(profiles[0]["frames"][0]), 20)
 
+    @made.white()
     def test_profile_along_gravity(self):
         """With gravity along y the layers of a lattice in two dimensions have means, of T over the mass."""
         path = made.gas(self.place())
@@ -203,6 +207,7 @@ class Reports(harness.Folder, unittest.TestCase):
         there = profiles["temperature T (m² s⁻²)"]["frames"][-1][3]
         self.assertAlmostEqual(there, (alpha * T)[row == 3].sum() / alpha[row == 3].sum(), 5)
 
+    @made.white()
     def test_each_component_has_a_profile(self):
         """A layer that slides down a chute moves along x, hardly along y, and not along z: the report shows the first two, the picture the largest."""
         path = self.place()
@@ -216,6 +221,7 @@ class Reports(harness.Folder, unittest.TestCase):
         np.testing.assert_allclose(profiles["velocity U_x (m s⁻¹)"]["frames"][-1], at[:, 1], rtol=1e-5)
         self.assertEqual(main_axis(cases.haff.Case(path), "U", "1", 1), "x")
 
+    @made.white()
     def test_tables_of_function_objects(self):
         """Lines of `sets` are profiles, at the written times that are nearest; energyBudget has one plot of what changed the energy, by cause;
         probes and extremes have the unit of their field; what is no table over time is left out."""
@@ -244,6 +250,7 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertIn("20 grains at t = 2 s", text)
         self.assertEqual(len(data(text)["films"]), 4)
 
+    @made.white()
     def test_sweep(self):
         """A row for each run with its picture, a failed one with its reason; plots of what was measured and of the runs over each other."""
         folder = made.sweep(self.place())
@@ -267,6 +274,7 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertIn("Differences at t (s) = 2", text)
         self.assertIn(["gas", "dem"], [[s["label"] for s in c["series"]] for c in shown["charts"]])
 
+    @made.white()
     def test_nothing_to_tell(self):
         """What is no case, a case without times, without a mesh: what to do, in one message without a traceback."""
         empty = os.path.join(self.place(), "empty")
@@ -287,6 +295,7 @@ class Reports(harness.Folder, unittest.TestCase):
                 self.assertRegex(told, wanted)
                 self.assertEqual(os.path.exists(os.path.join(words[0], "postProcessing")), False)
 
+    @made.white()
     def test_without_a_run_table(self):
         """Fields alone, as of another program, are a report, too; expected values without measured ones give a message."""
         path = self.place()
