@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """haff installed by CMake and by pip, each in a folder of its own, works without the source tree and without network."""
+import functools
 import glob
 import importlib.util
 import os
@@ -35,25 +36,20 @@ with haff.Gas(shutil.copytree(sys.argv[1], sys.argv[1] + "Stepped")) as gas:
 class Commands:
     """What holds for either installation: self.bin holds the commands."""
 
+    @classmethod
+    @functools.cache
+    def help(cls):
+        return call(os.path.join(cls.bin, "haff"), "-help", cwd=cls.folder)
+
     def test_commands(self):
-        self.assertIn("haff COMMAND -help", call(os.path.join(self.bin, "haff"), "-help", cwd=self.folder))
+        self.assertIn("haff COMMAND -help", self.help())
         self.assertIn("FILE:ENTRY=VALUES", call(os.path.join(self.bin, "haff"), "sweep", "-help", cwd=self.folder))
 
     def test_studies(self):
-        """The studies are not installed; a command of theirs says what it needs, and has that by HAFF_SOURCE."""
-        command = os.path.join(self.bin, "haff")
-        self.assertNotIn("serna", call(command, "-help", cwd=self.folder))
-        self.assertEqual(call(command, "muI", cwd=self.folder, code=1),
+        """The studies are not installed; a command of theirs says what it needs."""
+        self.assertNotIn("serna", self.help())
+        self.assertEqual(call(os.path.join(self.bin, "haff"), "muI", cwd=self.folder, code=1),
                          "haff muI: this needs the studies, a part of the source tree of haff that is not installed: set HAFF_SOURCE to the folder of that tree\n")
-        self.assertIn("this needs the studies", call(command, "figure", os.path.join(harness.SOURCE, "cases", "cylinder"), cwd=self.folder, code=1))
-        self.assertIn("without side walls: V* 13.83", call(command, "muI", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
-        self.assertIn("serna", call(command, "-help", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
-
-    def test_pictures(self):
-        for name in COMMANDS[1:]:
-            with self.subTest(name):
-                self.assertTrue(os.access(os.path.join(self.bin, name), os.X_OK))
-                self.assertIn(f"usage: {name}", call(os.path.join(self.bin, name), "-help", cwd=self.folder))
 
     def test_report(self):
         """The page has all that it needs: its look, its script, the library of plots."""
@@ -93,6 +89,13 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
         self.assertEqual(of(os.path.join(self.prefix, "lib/haff/python/haff")), of(os.path.join(harness.SOURCE, "postprocessing/haff")))
         self.assertEqual([], outside.traces(self.prefix))
 
+    def test_source(self):
+        """The studies are had by HAFF_SOURCE."""
+        command = os.path.join(self.bin, "haff")
+        self.assertIn("this needs the studies", call(command, "figure", os.path.join(harness.SOURCE, "cases", "cylinder"), cwd=self.folder, code=1))
+        self.assertIn("without side walls: V* 13.83", call(command, "muI", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
+        self.assertIn("serna", call(command, "-help", cwd=self.folder, HAFF_SOURCE=harness.SOURCE))
+
     def test_case(self):
         """An installed granularGas runs a case, also by a link to it and on two ranks; with implicit diffusion, too, whose module it
         finds."""
@@ -121,7 +124,7 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
         self.assertIn("restitution=0.8", call(os.path.join(self.bin, "haff"), "run", case, "constant/granularProperties:grain/restitution=0.8", cwd=self.folder))
 
     def test_version(self):
-        """-version of each program and command: name, version, git, compiler with flags, PETSc, the licence; `haff COMMAND`, too."""
+        """-version of each program and command, each by the name it is called by: version, git, compiler with flags, PETSc, the licence; `haff COMMAND`, too."""
         number = re.escape(outside.VERSION)
         for name in [*PROGRAMS, *COMMANDS, "haff sweep", "haff figure"]:
             with self.subTest(name):
@@ -138,7 +141,7 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
     def test_manuals(self):
         """Each program and command has a manual page with all of its options, in which groff finds no fault."""
         folder = os.path.join(self.prefix, "share/man/man1")
-        listed = re.findall(r"^  (\w+)  ", call(os.path.join(self.bin, "haff"), "-help", cwd=self.folder), re.M)
+        listed = re.findall(r"^  (\w+)  ", self.help(), re.M)
         pages = {*PROGRAMS, *COMMANDS, *("haff-" + c for c in listed if "haff" + c not in COMMANDS)}
         self.assertEqual({p + ".1" for p in pages}, set(os.listdir(folder)))
         for page in sorted(pages):
@@ -197,10 +200,8 @@ class ByCMake(Commands, harness.Folder, unittest.TestCase):
         headers = sorted(path for path in outside.texts(folder))
         self.assertTrue({"libcore/gas/gas.h", "libcore/models/eos.h", "mesh/lattice/lattice.h", "solvers/programs/run.h"} <= set(headers))
         self.assertFalse([path for path in headers if re.search("_private|_parts|^libcore/(lattice|polyhedral)/", path)])
-        for path in headers:
-            with self.subTest(path):
-                call("gcc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x", "c", "-I", folder,
-                     os.path.join(folder, path), cwd=self.folder)
+        call("gcc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x", "c", "-I", folder,
+             *(os.path.join(folder, path) for path in headers), cwd=self.folder)
 
 
 @unittest.skipUnless(outside.INSTALLS and shutil.which("cmake"), "no build of CMake to compare with")
@@ -285,6 +286,12 @@ class ByPip(Commands, harness.Folder, unittest.TestCase):
         self.assertEqual(outside.VERSION, call(os.path.join(self.bin, "python"), "-c", code, cwd=self.folder).strip())
         said = call(os.path.join(self.bin, "haff"), "-version", cwd=self.folder, HAFF_BIN=self.folder)
         self.assertRegex(said, rf"(?s)^haff {re.escape(outside.VERSION)}\n.*programs  none .*GPL-3.0-or-later.*NO WARRANTY")
+
+    def test_pictures(self):
+        for name in COMMANDS[1:]:
+            with self.subTest(name):
+                self.assertTrue(os.access(os.path.join(self.bin, name), os.X_OK))
+                self.assertIn(f"usage: {name}", call(os.path.join(self.bin, name), "-help", cwd=self.folder))
 
     def test_no_programs(self):
         """Without programs the error says what to do."""
