@@ -23,14 +23,14 @@ class Dense:
     """What holds for all of them. Each has: name, cells, end (s), most (steps of the implicit run), less (times fewer than explicit ones),
     near (m: of the centres of mass), closed (does no mass leave?); shipped: cells and end of its short entries."""
 
-    def make(self, acoustics="implicit"):
+    def make(self, acoustics="implicit", end=None):
         case = harness.copy(self.name, self.folder)
         harness.mesh(case, self.cells)
         with open(case + "/system/fvSolution") as f:
             text = f.read()
         with open(case + "/system/fvSolution", "w") as f:
             f.write(re.sub(r"type \w+;", f"type {acoustics};", text, count=1))
-        harness.edit(case, "system/controlDict", endTime=self.end, writeInterval=self.end / 10)
+        harness.edit(case, "system/controlDict", endTime=end or self.end, writeInterval=self.end / 10)
         return case
 
     def steps(self, case, ranks=1):
@@ -132,7 +132,7 @@ class Dealt(harness.Folder, unittest.TestCase):
         harness.edit(whole, "system/controlDict", endTime=0.0185, writeInterval=0.0005)
         log = harness.program("granularGas", "-case", whole).stdout
         self.assertGreater(sum(map(int, re.findall(r"implicit acoustics: (\d+) steps", log))), 8)
-        for ranks in (1, 2, 5):
+        for ranks in (2, 4):
             with self.subTest(ranks=ranks):
                 case = runs.until(whole, f"{whole}_{ranks}", 0.0175)
                 harness.edit(case, "system/controlDict", endTime=1)
