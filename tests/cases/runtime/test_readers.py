@@ -71,14 +71,14 @@ class Readers(harness.Folder, unittest.TestCase):
 
     @staticmethod
     def features(case, time):
-        """What a reader meets in the fields: their names and the types of their patches."""
+        """What a reader meets in the fields: their classes with the types of their patches."""
         found = set()
         for base, _, names in os.walk(os.path.join(case.path, time)):
             for name in names:
                 with open(os.path.join(base, name), "rb") as f:
                     text = f.read()
-                text = text[text.find(b"boundaryField"):] if b"boundaryField" in text else b""
-                found |= {("file", name), *((name, word) for word in re.findall(rb"type +(\w+);|value +(\w+)", text))}
+                kind, at = re.search(rb"class +(\w+);", text)[1], text.find(b"boundaryField")
+                found |= {kind, *((kind, word) for word in re.findall(rb"type +(\w+);|value +(\w+)", text[at:] if at >= 0 else b""))}
         return found
 
     def readers(self, case, time, values, decomposed=False):
