@@ -185,7 +185,7 @@ class Friction(harness.Folder, unittest.TestCase):
         lost = []
         for part in (0, 0.5, 1):
             with self.subTest(part=part):
-                case = self.collapse(f"heating{part}", end=0.03, friction=f"type muI; frictionalHeating {part};")
+                case = self.collapse(f"heating{part}", end=0.03, interval=0.01, friction=f"type muI; frictionalHeating {part};")
                 harness.edit(case, "constant/granularProperties", cooling="none")
                 audit.ask(case)
                 result, log = solve(case)
@@ -232,7 +232,7 @@ class Friction(harness.Folder, unittest.TestCase):
 
     # ---- the same bits ----
 
-    def collapse(self, name, mesh="lattice", end=0.015, interval=0.005, **options):
+    def collapse(self, name, mesh="lattice", end=0.01, interval=None, **options):
         case = bed(os.path.join(self.folder, name), SIZE, CORNER, (0.0, -G, 0.0), end, interval, **options)
         if mesh == "triangles":
             shutil.rmtree(case + "/constant/polyMesh")
@@ -246,10 +246,10 @@ class Friction(harness.Folder, unittest.TestCase):
             runs.same(self, runs.contents(os.path.join(one, name)), runs.contents(os.path.join(other, name)), name)
 
     def ranks_and_restarts(self, mesh):
-        whole = self.collapse(mesh, mesh)
+        whole = self.collapse(mesh, mesh, 0.015, 0.005)
         solve(whole)
         names = runs.times(whole)
-        two = self.collapse(mesh + "2", mesh)
+        two = self.collapse(mesh + "2", mesh, 0.015, 0.005)
         solve(two, 2)
         self.same_times(whole, two, names[1:])
         for case, at, ranks in ((two, "0.005", 3), (two, "0.01", 1)):
