@@ -256,14 +256,15 @@ static void compare_skipping(int dim, enum sides sides, const char *flux, bool p
 }
 
 /* What is left out is exactly zero: the same bits with and without skipping, in every dimension, with walls and open
- * patches, cooling, gravity, and limited cells. */
+ * patches, cooling, gravity, and limited cells. Fluxes and reconstructions meet each kind of sides in each dimension,
+ * not each pair of them. */
 static void skipping_changes_no_bit(void **state) {
     (void)state;
     for (int flux = 0; flux < flux_count; flux++)
         for (int r = 0; r < reconstruct_count; r++)
             for (int dim = 1; dim <= 3 && paired(flux, r); dim++)
-                for (int sides = 0; sides < SIDES; sides++)
-                    compare_skipping(dim, sides, flux_table[flux].model.name, false, reconstruct_table[r].model.name);
+                compare_skipping(dim, (flux + r + dim) % SIDES, flux_table[flux].model.name, false,
+                                 reconstruct_table[r].model.name);
     for (int r = 0; r < reconstruct_count; r++)
         for (int dim = 1; dim <= 3; dim++) compare_skipping(dim, OPEN, "common", true, reconstruct_table[r].model.name);
 }

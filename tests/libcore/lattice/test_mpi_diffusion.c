@@ -136,9 +136,9 @@ static double driven_error(enum gas_of gas, int dim, int n, const char *diffusio
 
 static void driven_gas_stays_at_second_order(void **state) {
     (void)state;
-    for (int scheme = 0; scheme < diffusion_count; scheme++)
-        for (int dim = 2; dim <= (comm_size(world) > 1 ? 2 : 3) && can(scheme);
-             dim++) { /* other ranks: the same bits */
+    const int some = comm_size(world) > 1 ? 1 : diffusion_count; /* other ranks: the same bits */
+    for (int scheme = 0; scheme < some; scheme++)
+        for (int dim = 2; dim <= (comm_size(world) > 1 ? 2 : 3) && can(scheme); dim++) {
             const enum gas_of gas = dim == 2 ? DISKS : SPHERES;
             const int n = dim == 2 ? 24 : 12;
             const char *diffusion = diffusion_table[scheme].model.name;
@@ -379,6 +379,7 @@ static void steps_are_of_second_order(void **state) {
         int dim, steps, numbers;
     } rows[] = {{1, 48, 3 * 64}, {1, 48, 3 * 64}, {1, 48, 3 * 64}, {3, 16, 5 * 512}};
     for (int i = 0; i < 4; i++) {
+        if (comm_size(world) > 1 && i != 2) continue; /* other ranks: the same bits */
         const struct transport *law = i == 0 ? &CONSTANT : i == 1 ? transport_find("JenkinsRichman") : NULL;
         double *fine = blown(law, rows[i].dim, (rows[i].dim == 3 ? 8 : 32) * rows[i].steps), error[2] = {0, 0};
         for (int k = 0; k < 2; k++) {

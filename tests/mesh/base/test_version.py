@@ -54,7 +54,7 @@ class Version(unittest.TestCase):
     def built(self):
         """The version that the program says after a build, and what that build compiled."""
         log = run("cmake", "--build", "build", cwd=self.tree)
-        return run("build/show", cwd=self.tree), [line.split("/")[-1] for line in log.split("\n") if "Building C" in line]
+        return run("build/show", cwd=self.tree), sorted(line.split("/")[-1] for line in log.split("\n") if "Building C" in line)
 
     def test_builds_ask_git(self):
         self.git("init", "-q")
