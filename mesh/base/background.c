@@ -62,21 +62,24 @@ struct each {
     int n;
     void (*work)(void *context, int i);
     void *context;
-    atomic_int next;
+    atomic_int next, threads;
 };
 
+/* Starts another thread if two pieces are left, and works. So work of which each piece ends at once is done before the
+ * second thread runs, and a disk that lets all wait soon has all in hand. */
 static void *run_some(void *argument) {
     struct each *e = argument;
+    pthread_t other;
+    const bool shared = atomic_load(&e->next) + 1 < e->n && atomic_fetch_add(&e->threads, 1) < AT_A_TIME &&
+                        start_thread(&other, run_some, e);
     for (int i; (i = atomic_fetch_add(&e->next, 1)) < e->n;) e->work(e->context, i);
+    if (shared) pthread_join(other, NULL);
     return NULL;
 }
 
 void background_each(int n, void (*work)(void *context, int i), void *context) {
     struct each e = {.n = n, .work = work, .context = context};
-    pthread_t thread[AT_A_TIME];
-    int started = 0;
     atomic_init(&e.next, 0);
-    while (started < AT_A_TIME && started < n - 1 && start_thread(&thread[started], run_some, &e)) started++;
+    atomic_init(&e.threads, 0);
     run_some(&e);
-    while (started > 0) pthread_join(thread[--started], NULL);
 }

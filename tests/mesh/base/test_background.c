@@ -3,9 +3,11 @@
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include <cmocka.h> /* last: it needs the standard headers, and its macro `fail` would hide ours */
 
@@ -51,7 +53,32 @@ static void test_each(void **state) {
     }
 }
 
+enum { TOGETHER = 4 };
+struct meeting { /* pieces that wait for each other */
+    atomic_int inside;
+    atomic_bool met;
+};
+
+static void meet(void *context, int i) {
+    struct meeting *m = context;
+    (void)i;
+    if (atomic_fetch_add(&m->inside, 1) + 1 == TOGETHER) atomic_store(&m->met, true);
+    for (int ms = 0; ms < 10000 && !atomic_load(&m->met); ms++) nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+}
+
+/* Pieces that wait are worked at together. */
+static void test_together(void **state) {
+    (void)state;
+    struct meeting m;
+    atomic_init(&m.inside, 0);
+    atomic_init(&m.met, false);
+    background_each(TOGETHER, meet, &m);
+    assert_true(m.met);
+    assert_int_equal(m.inside, TOGETHER);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_one), cmocka_unit_test(test_each)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_one), cmocka_unit_test(test_each),
+                                       cmocka_unit_test(test_together)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
