@@ -348,7 +348,7 @@ static status begin(const char *dir, const struct medium_type *type, const char 
                          .folder = {"constant", "system", start, "."}};
     snprintf(stamp, sizeof stamp, "%.3900s/%s/uniform/time", dir, start);
     if (!access(stamp, F_OK)) u->folder[START] = NULL;
-    return allocate(&u->found, MOST_SAID, sizeof *u->found, "names of files");
+    return allocate_unset(&u->found, MOST_SAID, sizeof *u->found, "names of files");
 }
 
 status unread_warn(struct setup *s) {
@@ -357,7 +357,7 @@ status unread_warn(struct setup *s) {
     TRY(comm_agree(s->comm, begin(s->dir, s->medium->type, s->start.folder, &s->medium->fields, &u)));
     if (comm_root(s->comm)) look_through(&u);
     comm_broadcast(s->comm, &u.n, sizeof u.n);
-    if (u.n) comm_broadcast(s->comm, u.found, MOST_SAID * (long)sizeof *u.found);
+    if (u.n) comm_broadcast(s->comm, u.found, u.n * (long)sizeof *u.found);
     for (int i = 0; i < u.n && !e; i++) e = say(s, &u.found[i]);
     free(u.found);
     return e;
