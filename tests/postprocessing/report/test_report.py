@@ -91,6 +91,7 @@ class Reports(harness.Folder, unittest.TestCase):
         for chart in shown["charts"]:
             self.assertTrue(chart["x"] and chart["y"] and chart["about"], chart["title"])
 
+    @made.white()
     def test_names_are_no_html(self):
         """Whatever names and texts a case has, the page has its own elements alone, and data that page.js can read."""
         bad = '"><img src=x onerror=alert(1)><!--<script>alert(1)<|script>'
@@ -170,6 +171,7 @@ class Reports(harness.Folder, unittest.TestCase):
             self.assertAlmostEqual(change["energy"][-1], 1 / 9, 5)
             self.assertEqual(change["mass"][-1] if first else charts["Mass"]["data"][1][-1], round(8614 / 21580, 6) if first else 30194)
 
+    @made.white()
     def test_needs_nothing_else(self):
         """No file, no server, no network: nothing on the page has an address but data and places on the page."""
         text = self.page(made.gas(self.place()))
@@ -187,6 +189,7 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertEqual((data(text)["films"], data(text)["times"]), ([], ["1"]))
         self.assertRegex(text, 'alt="packing fraction α at t = 1 s')
 
+    @made.white()
     def test_one_dimension(self):
         """The picture has profiles at several times; the plot those of all times, for the slider."""
         shown = data(self.page(made.gas(self.place(), (20, 1, 1))))
@@ -246,7 +249,7 @@ class Reports(harness.Folder, unittest.TestCase):
 
     def test_grains(self):
         """A film of the grains comes first."""
-        text = self.page(made.grains(self.place()))
+        text = self.page(made.grains(self.place()), "-frames", "2")
         self.assertIn("20 grains at t = 2 s", text)
         self.assertEqual(len(data(text)["films"]), 4)
 
@@ -263,6 +266,7 @@ class Reports(harness.Folder, unittest.TestCase):
         self.assertEqual(charts["hottest over restitution"]["data"], [[0.8, 0.9, 1.1], [1.5, 1.75, None]])
         self.assertEqual([s["label"] for s in charts["Largest temperature"]["series"]], ["restitution 0.8", "restitution 0.9"])
 
+    @made.white()
     def test_pair(self):
         """Gas beside grains: films of both by the same times and colours, differences, runs in one plot."""
         one, other = made.gas(self.place() + "/gas"), made.grains(self.place() + "/dem")
@@ -308,11 +312,11 @@ class Reports(harness.Folder, unittest.TestCase):
 
     def test_follow(self):
         """While the case is locked the page renews itself; the last page, when the run has ended, does not."""
-        path = made.gas(self.place())
+        path = made.gas(self.place(), (6, 5, 1), ("0", "1"))
         lock = os.path.join(path, ".haff.lock")
         with open(lock, "wb") as f:
             fcntl.fcntl(f, fcntl.F_SETLK, struct.pack("hhqqi4x", fcntl.F_WRLCK, 0, 0, 0, 0))
-            command = [sys.executable, "-m", "haff", "report", path, "-follow", "-every", "1"]
+            command = [sys.executable, "-m", "haff", "report", path, "-follow", "-every", "1", "-frames", "1"]
             running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             page = running.stdout.readline().strip()
             going = read(page)
