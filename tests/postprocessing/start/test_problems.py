@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import tempfile
 import unittest
 
 import numpy as np
@@ -28,7 +29,9 @@ class Problems(harness.Folder, unittest.TestCase):
         path = os.path.join(self.folder, name)
         if end:
             entries.edit(os.path.join(path, "system", "controlDict"), {"endTime": end, "writeInterval": end})
-            subprocess.run([os.path.join(path, "Allrun")], check=True, capture_output=True, env={**os.environ, "PATH": f"{harness.BIN}:{os.environ['PATH']}"})
+            with tempfile.TemporaryDirectory() as first:  # whose haff makes no report, which takes longer than the run
+                os.symlink("/usr/bin/false", os.path.join(first, "haff"))
+                subprocess.run([os.path.join(path, "Allrun")], check=True, capture_output=True, env={**os.environ, "PATH": f"{first}:{harness.BIN}:{os.environ['PATH']}"})
         return haff.Case(path), said
 
     def mean(self, case, values, time=None):
@@ -114,7 +117,7 @@ class Problems(harness.Folder, unittest.TestCase):
             path = os.path.join(self.folder, f"study {name}")
             self.call(path, *words)
             entries.edit(os.path.join(path, "system", "controlDict"), {"endTime": "1e-4", "writeInterval": "1e-4"})
-            done = subprocess.run([os.path.join(harness.BIN, "haff"), "sweep", path, f"mesh:{name}={values[0]},{values[1]}", "-quiet"], capture_output=True, text=True)
+            done = harness.command("sweep", path, f"mesh:{name}={values[0]},{values[1]}", "-quiet")
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             cells = [haff.Case(os.path.join(f"{path}-sweep", f"{name}={value}")).mesh.cells for value in values]
             self.assertLess(*cells)
