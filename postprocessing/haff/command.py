@@ -34,9 +34,8 @@ class Version(argparse.Action):
 def version_text(name):
     """What -version says: name and version, what Python it is, which programs it calls, and what these were made from. The licence
     is said by them; without them, here."""
-    import matplotlib
-    import numpy
-    lines = [f"{name} {VERSION}", f"Python    {sys.version.split()[0]}, numpy {numpy.__version__}, matplotlib {matplotlib.__version__}"]
+    from importlib.metadata import version  # to load matplotlib takes ten times as long
+    lines = [f"{name} {VERSION}", f"Python    {sys.version.split()[0]}, numpy {version('numpy')}, matplotlib {version('matplotlib')}"]
     try:
         path = program("granularGas")
         said = subprocess.run([path, "-version"], capture_output=True, text=True, check=True).stdout.strip().split("\n")

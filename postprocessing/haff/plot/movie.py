@@ -16,8 +16,7 @@ import sys
 import tempfile
 
 from haff import command
-from haff.plot import figures, options, picture, quantity
-from haff.plot.scale import common
+from haff.plot import figures, options, picture, quantity, scale
 from haff.plot.wish import times_with_results
 
 FORMATS = (".mp4", ".gif")
@@ -76,7 +75,7 @@ def readable(case, wish, time):
 
 def span(space, wish, times):
     """The range of what is filmed over all times."""
-    return common((picture.filmed(space, wish, time) for time in times), wish)
+    return scale.common((picture.filmed(space, wish, time) for time in times), wish)
 
 
 def write(paths, path, fps):
