@@ -36,10 +36,12 @@ def frames(space, wish, folder):
         paths.append(os.path.join(folder, f"{k:06d}.png"))
         figure = picture.draw(space, dataclasses.replace(wish, time=time))
         even(figure, wish.dpi)
-        if places:
-            figures.place(figure, places)
-        figure.savefig(paths[-1], format="png", dpi=wish.dpi)
-        places = places or figures.places(figure)
+        figure.set_dpi(wish.dpi)
+        if not places:
+            figure.draw_without_rendering()
+            places = figures.places(figure)
+        figures.place(figure, places)
+        figure.canvas.print_png(paths[-1])  # savefig draws twice, to find the layout
         figures.plt.close(figure)
         if sys.stderr.isatty():
             print(f"\r{k + 1} of {len(times)}", end="\n" if k + 1 == len(times) else "", file=sys.stderr, flush=True)
