@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Function object image: the pictures of haffPlot at each written time, without a say in the run."""
-import functools
 import os
 import re
 import shutil
@@ -35,8 +34,8 @@ class Image(harness.Folder, unittest.TestCase):
         runs.add(path, CONTROL, IMAGE.format(fields, more) + "acceptWarnings (fewGrains rarefied);\n")
         return path
 
-    def pictures(self, path):
-        folder = os.path.join(path, "postProcessing", "pictures")
+    def pictures(self, path, name="pictures"):
+        folder = os.path.join(path, "postProcessing", name)
         return sorted(os.listdir(folder)) if os.path.isdir(folder) else []
 
     def alone(self, name, stand_in=None):
@@ -56,36 +55,24 @@ class Image(harness.Folder, unittest.TestCase):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout
 
-    @functools.cached_property
-    def bare(self):
-        """What a run without pictures has written."""
-        path = runs.make(self.path("bare"), (12, 10, 1), 0.002, interval=0.002)
-        harness.program("granularGas", "-case", path)
-        return runs.contents(path + "/0.002", ("provenance", "checksums", "Ma"))
-
-    def drawn(self, name, fields, more, ranks):
-        """A case with these pictures after its run, whose state is that without them."""
-        path = self.case(name, fields, more + " } more { type writeObjects; objects (Ma);", interval=0.002)
-        self.assertNotIn("noPicture", harness.program("granularGas", "-case", path, ranks=ranks).stdout)
-        runs.same(self, self.bare, runs.contents(path + "/0.002", ("provenance", "checksums", "Ma")))
-        self.assertEqual(sorted(os.listdir(os.path.join(path, "postProcessing"))), ["pictures", "run"])
-        return path
-
     def test_pictures(self):
-        """Those of the command, byte by byte, of a field of each time and of one that is not there at the start, in a case with blanks in its name."""
-        path = self.drawn("with blanks'", "U.x Ma", "options (-size 400x300 -contours 3);", 1)
-        self.assertEqual(self.pictures(path), ["0.002.Ma.png", "0.002.U.x.png", "0.U.x.png"])
+        """Those of the command, byte by byte, of a field of each time and of one that is not there at the start, as PDF, in a case with blanks
+        in its name, on two ranks, whose state is that of a run without pictures."""
+        path = self.case("with blanks'", "U.x", "options (-size 400x300 -contours 3); } films { type image; fields (Ma); format pdf; } "
+                         "more { type writeObjects; objects (Ma);", interval=0.002)
+        self.assertNotIn("noPicture", harness.program("granularGas", "-case", path, ranks=2).stdout)
+        bare = runs.make(self.path("bare"), (12, 10, 1), 0.002, interval=0.002)
+        harness.program("granularGas", "-case", bare)
+        runs.same(self, *(runs.contents(case + "/0.002", ("provenance", "checksums", "Ma")) for case in (bare, path)))
+        self.assertEqual(sorted(os.listdir(os.path.join(path, "postProcessing"))), ["films", "pictures", "run"])
+        self.assertEqual(self.pictures(path), ["0.002.U.x.png", "0.U.x.png"])
+        self.assertEqual(self.pictures(path, "films"), ["0.002.Ma.pdf"])
+        with open(os.path.join(path, "postProcessing", "films", "0.002.Ma.pdf"), "rb") as f:
+            self.assertEqual(f.read(5), b"%PDF-")
         own = self.path("own.png")
         harness.command("Plot", path, "U.x", "-time", "0.002", "-size", "400x300", "-contours", "3", "-o", own)
         with open(own, "rb") as one, open(os.path.join(path, "postProcessing", "pictures", "0.002.U.x.png"), "rb") as other:
             self.assertEqual(one.read(), other.read())
-
-    def test_formats(self):
-        """On two ranks."""
-        path = self.drawn("pdf", "Ma", "format pdf;", 2)
-        self.assertEqual(self.pictures(path), ["0.002.Ma.pdf"])
-        with open(os.path.join(path, "postProcessing", "pictures", "0.002.Ma.pdf"), "rb") as f:
-            self.assertEqual(f.read(5), b"%PDF-")
 
     def test_missing(self):
         """One warning with the line and the path, before the run starts, on any ranks."""

@@ -41,11 +41,21 @@ dictionaries
 """
 
 
+BLANK = {}  # pictures with nothing on them as data of a page, by their sizes
+
+
 @contextlib.contextmanager
 def white():
     """Figures are set up and saved, but nothing is drawn on them, which takes most of the time: for tests that do not look at pictures."""
     from matplotlib import figure, layout_engine
-    with unittest.mock.patch.object(figure.Figure, "draw"), unittest.mock.patch.object(layout_engine.ConstrainedLayoutEngine, "execute"):
+    from haff.report import pictures
+    patch, encode = unittest.mock.patch.object, pictures.encoded
+
+    def encoded(image):
+        if image.size not in BLANK:
+            BLANK[image.size] = encode(image)
+        return BLANK[image.size]
+    with patch(figure.Figure, "draw"), patch(layout_engine.ConstrainedLayoutEngine, "execute"), patch(pictures, "encoded", encoded):
         yield
 
 
