@@ -11,6 +11,7 @@ import numpy as np
 
 from tests.cases import harness
 from tests.postprocessing.openfoam import foam
+from tests.postprocessing.report import made as reports
 
 import haff
 from haff.case.geometry import Geometry
@@ -64,6 +65,7 @@ class Sod(harness.Folder, unittest.TestCase):
 
 @needs_foam
 class Triangles(harness.Folder, unittest.TestCase):
+    @reports.white()
     def test_wedge15(self):
         """On a mesh without order: both within 5 % of the exact oblique shock in the mean, and nearer to each other than that."""
         done = tool("wedge15Dilute", "--grids", "20", "--out", self.folder)
@@ -76,6 +78,7 @@ class Triangles(harness.Folder, unittest.TestCase):
 
 @needs_foam
 class Blocks(harness.Folder, unittest.TestCase):
+    @reports.white()
     def test_fresh_from_openfoam(self):
         """A converted case whose mesh is system/blockMeshDict, which has no constant/polyMesh: blockMesh makes it for both. Of other grids it has none."""
         case = os.path.join(self.folder, "tube")
@@ -159,6 +162,7 @@ class Positions(unittest.TestCase):
 
 
 class Limits(harness.Folder, unittest.TestCase):
+    @reports.white()
     def test_short(self):
         """Three steps on 50 cells: the elastic sweeps are of first order by then, the one in e at once."""
         done = tool("--limits", "--quick", "--out", self.folder)

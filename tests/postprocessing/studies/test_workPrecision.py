@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 
 from tests.cases import harness
+from tests.postprocessing.report import made
 
 
 def tool(*arguments):
@@ -75,6 +76,7 @@ class Quick(harness.Folder, unittest.TestCase):
                 self.assertTrue(ours, f"no run of ours reaches {error}")
                 self.assertGreater(seconds / min(ours), 1)
 
+    @made.white()
     def test_continues(self):
         """A second call with the same folder runs nothing again."""
         again = tool("--quick", "--out", self.folder, "--commit", "first")
@@ -82,6 +84,7 @@ class Quick(harness.Folder, unittest.TestCase):
         self.assertNotIn("cpu", again.stdout)
         self.assertEqual(self.written(), self.rows)
 
+    @made.white()
     def test_commit(self):
         """Rows say what they were measured at; only --fresh measures again, and only the problems asked for."""
         copy = os.path.join(self.folder, "other")
