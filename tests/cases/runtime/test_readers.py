@@ -15,9 +15,9 @@ from tests.cases import harness, runs
 
 haff = harness.haff
 SOLVERS = ("granularGas", "granularSegregation")
-SIZE = {"blastRound": 80, "jet": 12, "cone": 40, "wedge15": 40, "wedge15Dilute": 40, "wedgeDisks": 40, "wedgeMD": 40, "wedgeTriangles": 50, "cylinder": 16, "cylinderDisks": 16, "sphere3D": 14, "forwardStep": 30, "riemann2D": 80,
+SIZE = {"blastCold": 80, "blastRound": 80, "heap2D": 80, "hopper": 80, "pile": 80, "jet": 12, "cone": 40, "wedge15": 40, "wedge15Dilute": 40, "wedgeDisks": 40, "wedgeMD": 40, "wedgeTriangles": 50, "cylinder": 16, "cylinderDisks": 16, "sphere3D": 14, "forwardStep": 30, "riemann2D": 80,
         "vortex": 80, "wedge": 40, "wedgeDense": 40, "wedgeElastic": 40, "segregationChute": 60, "segregationWedge": 40,
-        "faraday": 260, "faradaySweep": 260, "coolingDisks": 80, "cooling3D": 40, "columnCollapse": 24, "heapPoured": 2, "silo": 1, "drum": 12, "jetOnPlate": 1, "demon": 40,
+        "faraday": 260, "faradaySweep": 260, "coolingDisks": 80, "cooling3D": 33, "columnCollapse": 24, "heapPoured": 2, "silo": 1, "drum": 12, "jetOnPlate": 1, "demon": 40,
         "tiltedBox": 2, "jetOnPile": 2, "columnRound": 24, "siloRound": 3}  # for two ranks to have cells
 LINE = 120
 
