@@ -70,6 +70,7 @@ int main(int argc, char **argv) {
     setrlimit(RLIMIT_AS, &memory);
     setrlimit(RLIMIT_CPU, &seconds);
 #endif
+    LLVMFuzzerInitialize(&argc, &argv);
     long all = 0;
     for (int i = 1; i < argc; i++) all += replay(argv[i]);
     printf("%ld inputs\n", all);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A fuzz target is one file that defines LLVMFuzzerTestOneInput for one reader. libFuzzer calls it with inputs it
- * makes; replay.c with the files of a folder, on any compiler. A target aborts where the reader breaks a promise; what
- * the sanitizers see aborts by itself. */
+/* A fuzz target is one file that defines LLVMFuzzerTestOneInput for one reader; choose.c calls that of the program's
+ * name. libFuzzer calls it with inputs it makes; replay.c with the files of a folder, on any compiler. A target aborts
+ * where the reader breaks a promise; what the sanitizers see aborts by itself. */
 #ifndef TESTS_FUZZ_TARGET_H
 #define TESTS_FUZZ_TARGET_H
 
@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+int LLVMFuzzerInitialize(int *argc, char ***argv);
 
 /* PROMISE(what holds, "what it means if not") */
 #define PROMISE(holds, text)                                                                                           \
