@@ -161,6 +161,14 @@ class Running(harness.Folder, unittest.TestCase):
         with open(os.path.join(case, CONTROL), "a") as f:
             f.write(text)
 
+    @unittest.skipUnless(shutil.which("readelf"), "readelf is not installed")
+    def test_libraries(self):
+        """A program never looks for libraries in the current folder, which an empty part of its path would mean."""
+        for name in ("granularGas", "checkCase"):
+            said = subprocess.run(["readelf", "-d", os.path.join(harness.BIN, name)], check=True, capture_output=True, text=True).stdout
+            self.assertIn("(NEEDED)", said)
+            self.assertNotRegex(said, r"(RPATH|RUNPATH).*(\[:|::|:\]|\[\])")
+
     def test_dry_run_writes_nothing(self):
         case = small(os.path.join(self.folder, "dry"))
         before = contents(case)
