@@ -213,6 +213,15 @@ static status read_numbers(struct list_reader *r, bool labels, long from, long n
     return OK;
 }
 
+/* Ends the binary list with ')' after entries of so many bytes? On the root; elsewhere true. */
+static bool is_closed(struct list_reader *r, int bytes) {
+    const struct list *l = &r->list;
+    const long at = l->at + l->count * bytes;
+    char end = 0;
+    if (!comm_root(r->comm) || l->count == 0) return true;
+    return (l->zipped ? window_read(&r->window, at, &end, 1) : read_at(r->file, at, &end, 1)) && end == ')';
+}
+
 /* ---- ascii ------------------------------------------------------------------------------------------------------- */
 
 /* Reads one entry at p as writers put it, and returns what follows it, or NULL. */
@@ -353,10 +362,12 @@ static status read_list(const struct comm *c, const char *dir, const char *name,
     *good = !e && r.list.usual && *n <= share->n;
     const struct share here = slice_of(&r, share, comm_rank(c));
     const long each = kind == POINT ? 3 : 1;
-    if (*good && r.list.binary)
+    if (*good && r.list.binary) {
         e = read_numbers(&r, kind == LABEL, here.first * each, (here.end - here.first) * each, &b, good);
-    else if (*good)
+        *good = *good && is_closed(&r, kind == LABEL ? r.list.label_bytes : 3 * r.list.scalar_bytes);
+    } else if (*good) {
         e = read_text(&r, kind, share, &b, good);
+    }
     reader_close(&r);
     memcpy(out, &b.data, sizeof b.data);
     lists_agree(c, good);
@@ -403,7 +414,9 @@ static status read_compact(struct list_reader *r, struct lists *s, struct bytes 
     if (!*good) return OK;
     s->first_corner = s->start[0];
     for (long i = n; i >= 0; i--) s->start[i] -= s->start[0];
-    return read_numbers(r, true, s->first_corner, s->start[n], corner, good);
+    e = read_numbers(r, true, s->first_corner, s->start[n], corner, good);
+    *good = *good && is_closed(r, l->label_bytes);
+    return e;
 }
 
 /* Tells each rank how many corners the ranks before it have. */
