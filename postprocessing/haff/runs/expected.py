@@ -213,12 +213,12 @@ def line(entry, indent="    "):
 
 
 def save(path, known):
-    """Writes the whole of expected.json, an entry a line."""
+    """Writes the whole of expected.json, an entry a line. Who reads it meanwhile finds the old one or the new one."""
     parts = []
     for key, value in known.items():
         rows = ",\n".join(map(line, value)) if isinstance(value, list) else ""
         parts.append(f'  "{key}": ' + (f"[\n{rows}\n  ]" if rows else json.dumps(value)))
-    with open(os.path.join(path, "expected.json"), "w", encoding="utf-8") as f:
+    with command.replacing(os.path.join(path, "expected.json")) as temporary, open(temporary, "w", encoding="utf-8") as f:
         f.write("{\n" + ",\n".join(parts) + "\n}\n")
 
 

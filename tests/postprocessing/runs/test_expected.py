@@ -120,6 +120,14 @@ class Own(unittest.TestCase):
             for quantity, value in (("greatest velocity along z", 0.5), ("greatest velocity across z", 0.05), ("flow of packing along z", 0.1 * (0.15 + 0.005))):
                 self.assertAlmostEqual(expected.measure(case, {"quantity": quantity, "time": 3}), value, 12, quantity)
 
+    def test_saved_at_once(self):
+        """While expected.json is written, the old one is there: Allcheck -record writes beside runs that read it."""
+        with tempfile.TemporaryDirectory(prefix="haff") as folder:
+            expected.save(folder, {"seconds": 1})
+            with unittest.mock.patch.object(os, "replace", side_effect=OSError), self.assertRaises(OSError):
+                expected.save(folder, {"seconds": 2})
+            self.assertEqual((expected.read(folder), os.listdir(folder)), ({"seconds": 1}, ["expected.json"]))
+
     def test_of_a_study(self):
         """`quantities` names the module that has what only shipped cases check; without the source tree it says what to do."""
         with tempfile.TemporaryDirectory(prefix="haff") as folder:
