@@ -4,6 +4,7 @@
 
 enum {
     NEWTON_MOST = 30, /* iterations; 2 to 5 are usual */
+    MORE = 2,         /* iterations below CLOSE while a cell would be packed or denser */
     ROOT_MOST = 30,   /* iterations for the root of (*) */
     LINEAR_MOST = 200
 };
@@ -128,11 +129,16 @@ static void find_root(struct bed *b, int at, int n) {
     bed_slack(n, x->eps + at, x->p + at, c2, gruneisen, x->slack + at);
 }
 
-/* Finds the residual and the diagonal of the Jacobian, times V, of this rank's cells; returns the largest residual
- * above rounding over diagonal times p, or times VOLUME. */
-static double find_residual(struct bed *b, double dt) {
+/* How far p is from the solution. */
+struct distance {
+    double worst; /* the largest residual above rounding over diagonal times p, or times VOLUME */
+    bool sound;   /* is p a number everywhere? */
+    bool crowded; /* would a cell be packed or denser? Cold gas at rest has less room than CLOSE leaves open */
+};
+
+/* Finds the residual and the diagonal of the Jacobian, times V, of this rank's cells, and sets worst and crowded. */
+static void find_residual(struct bed *b, double dt, struct distance *off) {
     const struct bed_lines *x = b->lines;
-    double worst = 0;
     find_speeds(b);
     for (int at = 0; at < b->set.cells; at += BATCH)
         find_root(b, at, b->set.cells - at < BATCH ? b->set.cells - at : BATCH);
@@ -148,21 +154,20 @@ static double find_residual(struct bed *b, double dt) {
         x->residual[i] = V * (x->rho[i] / x->root[i] - 1) - out;
         x->diagonal[i] = V * x->rho[i] * x->slack[i] + weights;
         const double above = fabs(x->residual[i]) - NOISE * V, change = above / (x->diagonal[i] * x->p[i]),
-                     off = larger(VOLUME * above / V, change);
-        worst = off <= worst ? worst : off; /* also if it is no number */
+                     most = larger(VOLUME * above / V, change);
+        off->worst = most <= off->worst ? off->worst : most; /* also if it is no number */
+        off->crowded |= !(x->rho[i] < b->limit * (1 + out / V));
     }
-    return worst;
 }
 
-/* Finds residuals for the present p; returns the worst of all ranks. *sound: is p a number everywhere on this rank?
- * Then on all. */
-static double check_pressure(struct bed *b, double dt, bool *sound) {
-    double all[] = {0, !*sound};
+/* Finds residuals for the present p; sound: is it a number everywhere on this rank? Returns what holds on all. */
+static struct distance check_pressure(struct bed *b, double dt, bool sound) {
+    struct distance off = {0, sound, false};
     bed_fill(b, 1, &b->lines->p);
-    if (*sound) all[0] = find_residual(b, dt);
-    comm_max(b->comm, all, 2);
-    *sound = all[1] == 0;
-    return all[0];
+    if (sound) find_residual(b, dt, &off);
+    double all[] = {off.worst, !off.sound, off.crowded};
+    comm_max(b->comm, all, 3);
+    return (struct distance){all[0], all[1] == 0, all[2] > 0};
 }
 
 static bool is_link(const struct bed *b, const struct bed_side *s, int cell) {
@@ -264,16 +269,18 @@ static status solve(struct bed *b, bool again, double worst, bool *sound) {
 /* Finds the pressures by at least one iteration of Newton's method: if they stayed as they were, the step would be an
  * explicit one, far too long, and round-off would grow. */
 status bed_find_pressure(struct bed *b, double dt, const double gravity[MAX_DIM], bool again, bool *done) {
-    bool sound = true;
     b->newton = b->linear = 0;
     find_drift(b, dt, gravity);
     find_weights(b, dt);
     if (!again) guess_pressure(b);
-    double worst = check_pressure(b, dt, &sound);
-    while ((b->newton == 0 || !(worst < CLOSE)) && sound && b->newton++ < NEWTON_MOST) {
-        TRY(solve(b, b->newton > 1, worst, &sound));
-        worst = check_pressure(b, dt, &sound);
+    struct distance off = check_pressure(b, dt, true);
+    for (int more = 0; off.sound && b->newton < NEWTON_MOST; b->newton++) {
+        const bool close = b->newton > 0 && off.worst < CLOSE;
+        bool sound = true;
+        if (close && !(off.crowded && more++ < MORE)) break;
+        TRY(solve(b, b->newton > 0, off.worst, &sound));
+        off = check_pressure(b, dt, sound);
     }
-    *done = worst < CLOSE && sound;
+    *done = off.worst < CLOSE && off.sound;
     return OK;
 }

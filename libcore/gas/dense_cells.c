@@ -152,6 +152,10 @@ KERNEL static double bed_smallest(int n, const double *restrict rho) {
     return least;
 }
 
+/* Near vacuum in the rings joins the bed from this part of the rate on: the stages fill such a cell from packed gas and
+ * let that mass flow on; the bed would have to give it, and does not fill the cell, so that the step fails. */
+static const double IN_RINGS = 0.2;
+
 struct inclusion { /* near vacuum of a rate of thin gas above `rate` */
     struct gas *g;
     double rate, found;
@@ -165,7 +169,8 @@ static void include_row(void *inclusion, const struct row *row) {
     if (!(bed_smallest(row->n, c->g->U.block[row->block] + row->at) < d->thin)) return;
     find_speeds(c->g, row, &r);
     for (int i = 0; i < row->n; i++) {
-        if (part[i] >= BED_FROZEN || !(r.rho[i] < d->thin) || !(r.s.thin[i] > c->rate)) continue;
+        const double rate = part[i] > 0 ? IN_RINGS * c->rate : c->rate;
+        if (part[i] >= BED_FROZEN || !(r.rho[i] < d->thin) || !(r.s.thin[i] > rate)) continue;
         part[i] = BED_DENSE;
         d->holds[row->block] = true;
         c->found++;
