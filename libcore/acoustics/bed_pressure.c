@@ -4,14 +4,14 @@
 
 enum {
     NEWTON_MOST = 30, /* iterations; 2 to 5 are usual */
-    MORE = 2,         /* iterations below CLOSE while a cell would be packed or denser */
+    MORE = 6,         /* iterations below CLOSE while a cell would be packed or denser */
     ROOT_MOST = 30,   /* iterations for the root of (*) */
     LINEAR_MOST = 200
 };
-static const double CLOSE = 1e-8; /* residual over diagonal times p at which Newton's method ends */
+static const double CLOSE = 1e-5; /* residual over diagonal times p at which Newton's method ends */
 /* Newton's method ends only where residuals, parts of a cell's volume, are below CLOSE/VOLUME too: where kept faces
  * bring in more than there is room for, p rises without end, and any residual is small beside it. */
-static const double VOLUME = 1e-2;
+static const double VOLUME = 10;
 /* Residuals are differences of numbers around 1: so much of one is rounding. Close to packing, where a density that is
  * off by its last digit is off by far more in p, no iteration goes below it. */
 static const double NOISE = 8 * 0x1p-52;

@@ -25,6 +25,19 @@ class Shipped(harness.Folder, unittest.TestCase):
                 needed = set(re.findall(r"^accepted warning: .* \[(\w+)\]$", said, re.M))
                 self.assertEqual(set(accepted[1].split() if accepted else ()) - late, needed)
 
+    def test_programs(self):
+        """Allrun and Allcheck build the program of each case."""
+        def text(path):
+            with open(os.path.join(harness.SOURCE, path)) as f:
+                return f.read()
+        built = re.search(r"^set\(PROGRAMS (.*)\)$", text("CMakeLists.txt"), re.M)[1].split()
+        self.assertIn("add_dependencies(programs ${PROGRAMS})", text("CMakeLists.txt"))
+        for script in ("Allrun", "Allcheck"):
+            self.assertIn("\nbuild programs\n", text(script))
+        for name in os.listdir(os.path.join(harness.SOURCE, "cases")):
+            if os.path.isfile(os.path.join(harness.SOURCE, "cases", name, "system", "controlDict")):
+                self.assertIn(re.search(r"^application +(\w+);", text(f"cases/{name}/system/controlDict"), re.M)[1], built)
+
 
 if __name__ == "__main__":
     unittest.main()
