@@ -8,10 +8,10 @@ enum {
     ROOT_MOST = 30,   /* iterations for the root of (*) */
     LINEAR_MOST = 200
 };
-static const double CLOSE = 1e-7; /* residual over diagonal times p at which Newton's method ends */
+static const double CLOSE = 1e-8; /* residual over diagonal times p at which Newton's method ends */
 /* Newton's method ends only where residuals, parts of a cell's volume, are below CLOSE/VOLUME too: where kept faces
  * bring in more than there is room for, p rises without end, and any residual is small beside it. */
-static const double VOLUME = 0.1;
+static const double VOLUME = 1e-2;
 /* Residuals are differences of numbers around 1: so much of one is rounding. Close to packing, where a density that is
  * off by its last digit is off by far more in p, no iteration goes below it. */
 static const double NOISE = 8 * 0x1p-52;
