@@ -19,7 +19,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 from haff import command
-from haff.paths import TOP
+from haff.paths import TOP, program
 from haff.runs import expected, run
 from studies.checks import variants
 
@@ -88,7 +88,7 @@ class Copy:
             with open(os.path.join(folder, "system", "controlDict")) as f:
                 programs.update(re.findall(r"^\s*application\s+(\w+)\s*;", f.read(), re.M))
         digest = hashlib.sha256(" ".join(self.words()).encode())
-        for file in files + [os.path.join(TOP, "build", "bin", p) for p in sorted(programs)]:
+        for file in files + [program(name) for name in sorted(programs)]:
             with open(file, "rb") as f:
                 digest.update(os.path.relpath(file, TOP).encode() + b"\0" + f.read() + b"\0")
         return digest.hexdigest()

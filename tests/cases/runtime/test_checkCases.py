@@ -181,6 +181,8 @@ class CheckCases(harness.Folder, unittest.TestCase):
         self.assertIn("no case sodd; there are: sod", self.check("sodd", code=2))
         done = subprocess.run(["/usr/bin/python3", "-m", "haff", "checkCases", "-list"], capture_output=True, text=True, env={**os.environ, "HAFF_SOURCE": self.top})
         self.assertRegex(done.stdout, r"sod +[\d.]+ s +2 values")
+        with mock.patch.dict(os.environ, HAFF_BIN=self.folder):
+            self.assertIn("is not there: build haff", self.check(code=1))
 
 
 if __name__ == "__main__":
