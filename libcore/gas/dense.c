@@ -192,6 +192,7 @@ double gas_bed_step(struct gas *g, double maxCo, const struct gas_speed *speed, 
         (least == BY_COOLING && gas_can_collapse(g) && speed->rate * CREEP > speed->loose))
         return refuse(d, least, step[least] / usual, rate[least], plain);
     *limit = cause_name[least];
+    d->beside = rates.thin;
     return d->longest = step[least];
 }
 

@@ -61,6 +61,7 @@ struct dense { /* implicit acoustics of dense cells (libcore/gas/dense.c) */
     bool begun;                 /* are the stages at work, whose results in cells of the bed are given up? */
     double kick[MAX_DIM];       /* m/s^2: mean acceleration by gravity in the last step of the bed */
     double longest;             /* s: the step that was planned; 0: the next step is explicit */
+    double beside;              /* 1/s: the Courant number of gas outside the bed, in that step, is this times dt */
     struct gas_bed_bound bound; /* why it is explicit; its cause is BED_CAUSES if it is not, or no gas is dense */
     double plain, usual; /* s: the explicit step in the last plan, and that which implicit ones are compared with */
     bool refused;        /* was the last step of the bed refused: it would damp sound, or gas leans on an outlet? */

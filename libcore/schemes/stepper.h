@@ -19,10 +19,11 @@ extern const int stepper_count;
 /* SSPRK43: of a step that `local`, or few stages beside a bed, would leave inadmissible */
 extern const struct stepper *const stepper_instead;
 const struct stepper *stepper_find(const char *name); /* NULL: none */
-/* The scheme of a step with a bed, whose Courant number is at most 1/2 (libcore/gas/dense.c): `chosen`, or one of fewer
- * stages that is stable there. Heun's lets waves grow by (nu k)^4/8 a step, of nu = c dt/h and k a cell. damps: does
- * the reconstruction take more from them? Those of five cells take nu k^6/60. Else it is SSPRK3. */
-const struct stepper *stepper_beside_bed(const struct stepper *chosen, bool damps);
+/* The scheme of a step with a bed, whose Courant number beside the bed is `courant` <= 1/2 (libcore/gas/dense.c):
+ * `chosen`, or one of fewer stages that is stable there. Heun's lets waves grow by (nu k)^4/8 a step, of nu = c dt/h
+ * and k a cell. damps: does the reconstruction take more from them at nu = 1/2? Those of five cells take nu k^6/60,
+ * which leaves 1.04 nu^10 at most: below 0.4 that is Heun's method, too, else SSPRK3. */
+const struct stepper *stepper_beside_bed(const struct stepper *chosen, bool damps, double courant);
 
 /* Makes struct stepper's exchange for one number: U0 is `start` and becomes *next, U is *state. */
 static inline void stepper_exchange(double start, double *next, double *state) {

@@ -59,9 +59,10 @@ static bool takes_bed(const struct gas *g, double dt, double allowed) {
 
 /* The scheme of a step with a bed: one of few stages. If the limiter cannot mend these, SSPRK43 does the step: its
  * Euler steps are half as long. */
-static const struct stepper *scheme_of_bed(const struct gas *g, bool spoilt) {
+static const struct stepper *scheme_of_bed(const struct gas *g, double dt, bool spoilt) {
     const struct gas_models *m = &g->models;
-    return spoilt ? stepper_instead : stepper_beside_bed(m->stepper, !g->forest || m->reconstruct->reach < 2);
+    const bool damps = !g->forest || m->reconstruct->reach < 2;
+    return spoilt ? stepper_instead : stepper_beside_bed(m->stepper, damps, g->dense->beside * dt);
 }
 
 static bool try_step(struct gas *g, struct attempt *a) {
@@ -70,7 +71,7 @@ static bool try_step(struct gas *g, struct attempt *a) {
     a->guarded = g->step.guarded > 0;
     a->sources = source_active(&g->models.source, &g->models.material);
     g->step.hybrid = takes_bed(g, a->dt, a->maxCo / a->speed->rate);
-    if (g->step.hybrid) a->stepper = scheme_of_bed(g, a->spoilt);
+    if (g->step.hybrid) a->stepper = scheme_of_bed(g, a->dt, a->spoilt);
     return parts_try(g, a);
 }
 
