@@ -340,11 +340,12 @@ ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, double *const
                               double *restrict out) {
     double jump[1][BATCH], M[MAX_DIM][BATCH];
     const struct face_batch g = *f;
-    gather_sides(gradient ? dim : 0, 1, f, S, gradient, jump, M);
+    gather_sides(dim, 1, f, S, gradient, jump, M);
     EACH_ALONE
     for (int i = 0; i < g.n; i++) {
         double slope = jump[0][i] * g.inverse[i];
-        for (int k = 0; k < dim && gradient; k++) slope += g.oblique[k][i] * M[k][i];
+        UNROLL
+        for (int k = 0; k < dim; k++) slope += g.oblique[k][i] * M[k][i];
         out[i] = slope * -g.face[2][i];
     }
 }
@@ -354,8 +355,10 @@ ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, double *const
                                          double *const *gradient, double *const *out) {                                \
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, m, false, f, S, gradient, out);                                                         \
+        else if (dim > 1 && gradient)                                                                                  \
+            heat_faces(dim, f, S, gradient, out[0]);                                                                   \
         else                                                                                                           \
-            heat_faces(dim, f, S, dim > 1 ? gradient : NULL, out[0]);                                                  \
+            heat_faces(0, f, S, NULL, out[0]);                                                                         \
     }
 FACES(1, 1)
 FACES(1, 2)
@@ -368,8 +371,10 @@ FACES(3, 3)
                                                double *const *gradient, double *const *out) {                          \
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, m, true, f, S, gradient, out);                                                          \
+        else if (dim > 1 && gradient)                                                                                  \
+            heat_faces(dim, f, S, gradient, out[0]);                                                                   \
         else                                                                                                           \
-            heat_faces(dim, f, S, dim > 1 ? gradient : NULL, out[0]);                                                  \
+            heat_faces(0, f, S, NULL, out[0]);                                                                         \
     }
 ROUND_FACES(1, 1)
 ROUND_FACES(1, 2)
