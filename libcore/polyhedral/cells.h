@@ -53,6 +53,7 @@ struct cells { /* what the engine of polyhedra owns, g->cells; size, nown, faces
     struct cells_round *round;           /* libcore/polyhedral/cells_round.c; NULL: the mesh is not round */
     struct cells_local *local;           /* libcore/polyhedral/cells_local.c; NULL: all cells take the same steps */
     struct cells_still *still;           /* libcore/polyhedral/cells_still.c; NULL: no cell is looked at */
+    unsigned char *spared; /* [nnear] cells that lie deep in a bed (libcore/polyhedral/cells_bed.c); NULL without one */
 };
 
 struct cells_primitives { /* of a batch of cells */
@@ -133,6 +134,14 @@ status cells_sides_weights(const struct cells *c, const double *weight, double (
  * times left[faces + 1] where the cell is on the left of the face, elsewhere right[faces + 1]. */
 void cells_sides_sum(const struct cells *c, int from, const double (*weight)[BATCH], const double *left,
                      const double *right, double *out);
+
+/* ---- the bed (libcore/polyhedral/cells_bed.c) ---- */
+
+/* Returns part [size] of struct dense where the stages may leave out what lies between two frozen cells: if no cell is
+ * flagged and each face has one point; else NULL. */
+const double *cells_kept(const struct gas *g);
+/* Lets the fits of a stage leave out frozen cells that lie among frozen cells alone. */
+void cells_spare(struct gas *g);
 
 /* ---- uniform gas (libcore/polyhedral/cells_still.c) ---- */
 

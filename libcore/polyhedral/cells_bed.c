@@ -91,8 +91,34 @@ status cells_bed_make(struct gas *g) {
         g->dense->sides = sides > g->dense->sides ? sides : g->dense->sides;
     }
     TRY(pool_take(&g->dense->pool, &g->dense->place, m->nblocks, sizeof(int), "the bed"));
+    TRY(pool_take(&g->dense->pool, &g->cells->spared, m->nnear, sizeof *g->cells->spared, "the bed"));
     g->dense->flux[0] = g->cells->flux[0];
     return make_shapes(g, b);
+}
+
+/* ---- in the stages ---- */
+
+const double *cells_kept(const struct gas *g) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    return g->step.hybrid && !g->limits.flags.blocks[0] && m->point.n == m->face.n ? g->dense->part[0] : NULL;
+}
+
+/* The fluxes through patches of frozen cells are read by none, either. */
+static bool lies_deep(const struct polyhedra *m, const double *part, int i) {
+    bool deep = part[i] >= BED_FROZEN;
+    for (int j = m->face_start[i]; j < m->face_start[i + 1] && deep; j++) {
+        const int across = cells_across(m, j);
+        deep = across >= m->ncells || part[across] >= BED_FROZEN;
+    }
+    return deep;
+}
+
+void cells_spare(struct gas *g) {
+    const struct polyhedra *m = g->cells->polyhedra;
+    const double *part = cells_kept(g);
+    unsigned char *spared = g->cells->spared;
+    for (int i = 0; i < m->nown && part; i++) spared[i] = lies_deep(m, part, i);
+    fit_spare(g->cells->fit, part ? spared : NULL);
 }
 
 /* ---- the lists ---- */

@@ -311,7 +311,7 @@ static int wanted_end(const struct gas *g, int first, int last, int *from) {
     enum { IDLE = 16 }; /* fewer cost less than a shorter batch */
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
     const bool single = g->cells->polyhedra->point.n == f->n, bed = g->step.hybrid && !g->limits.flags.blocks[0];
-    const struct idle idle = {bed && single ? g->dense->part[0] : NULL, bed ? NULL : fit_still(g->cells->fit)};
+    const struct idle idle = {cells_kept(g), bed ? NULL : fit_still(g->cells->fit)};
     const bool some = idle.part || idle.still, whole = single || whole_faces(g);
     int end, n = 0;
     while (some && first < last && is_idle(&idle, f->left[first], f->right[first])) first++;
@@ -390,6 +390,14 @@ struct stage { /* of cells_stage and cells_redo */
     long count; /* inadmissible cells */
 };
 
+/* Does a bed keep n cells as they are, whatever flows through their faces? */
+static bool all_kept(const struct gas *g, int at, int n) {
+    const double *part = cells_kept(g);
+    int i = 0;
+    while (part && i < n && part[at + i] >= BED_FROZEN) i++;
+    return part && i == n;
+}
+
 static void update_chunk(struct stage *t, int at) {
     struct gas *g = t->g;
     struct cells *c = g->cells;
@@ -406,18 +414,18 @@ static void update_chunk(struct stage *t, int at) {
                               .to = t->to->block[0] + at,
                               .a = t->a,
                               .dt = t->dt};
-    const bool out = cells_left_out(g, at);
+    const bool out = cells_left_out(g, at), none = out || all_kept(g, at, n);
     const double *in[MAX_VAR];
     double *residual[MAX_VAR];
     for (int v = 0; v < g->nvar; v++) {
         residual[v] = residuals[v];
         in[v] = s.from + v * m->size;
-        if (out)
+        if (none)
             memset(residual[v], 0, sizeof residuals[v]);
         else
             cells_residuals(c, at, n, c->flux[v], residual[v]);
     }
-    if (!out) cells_still(g, at, n, t->dt, s.from, residuals);
+    if (!none) cells_still(g, at, n, t->dt, s.from, residuals);
     g->counts.computed += out ? 0 : n;
     if (c->round) cells_round_push(g, at, n, s.from, flag, residual);
     if (g->falling.cells) weigh_row(g, n, in, falls, flag, residual);
@@ -481,6 +489,7 @@ long cells_stage(struct gas *g, const struct state *U0, const struct state *from
         cells_rules_look(g, 0, m->ninner);
     }
     cells_still_look(g, U, false);
+    cells_spare(g);
     sweep(&t);
     polyhedra_fill_finish(m);
     cells_mirrors(g, own_mirrors, m->mirror.n, line);
@@ -504,6 +513,7 @@ void cells_redo(struct gas *g, const struct state *U0, const struct state *from,
     drop_begin(g);
     cells_still_look(g, t.U, false);
     cells_still_look(g, t.U, true);
+    cells_spare(g);
     sweep(&t);
     (void)finish_sweep(&t);
 }

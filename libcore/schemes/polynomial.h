@@ -62,6 +62,10 @@ const unsigned char *fit_uniform(const struct fit *f);
  * own) uniform; it may miss some. NULL: it has found none. */
 const unsigned char *fit_still(const struct fit *f);
 
+/* From now on batches of cells that are all spared[nnear] are not fitted: their values, which are not to be read, are
+ * averages. NULL: every batch is fitted. Borrowed. */
+void fit_spare(struct fit *f, const unsigned char *spared);
+
 /* Fits cells from <= i < to (< nnear) to the lines U[v][size] of the variables. Cells are fitted batch by batch: cells
  * that share a batch with the first or the last one are fitted, too, from whatever U holds, and again when their own
  * turn comes. */

@@ -119,11 +119,17 @@ void fit_look(struct fit *f, const double *const *U, bool all) {
     }
 }
 
+void fit_spare(struct fit *f, const unsigned char *spared) {
+    f->spared = spared;
+}
+
 bool calm_batch(const struct fit *f, int batch, const double *const *U) {
     const struct calm *c = f->calm;
     const int first = batch * LANES, left = f->polyhedra->nnear - first;
     const long n = (long)(f->point.start[batch + 1] - f->point.start[batch]) * LANES;
-    if (!c || c->n == 0 || memchr(c->known + first, 0, (size_t)(left < LANES ? left : LANES))) return false;
+    const size_t cells = (size_t)(left < LANES ? left : LANES);
+    const bool uniform = c && c->n > 0 && !memchr(c->known + first, 0, cells);
+    if (!uniform && (!f->spared || memchr(f->spared + first, 0, cells))) return false;
     for (int v = 0; v < f->nvar; v++) {
         double *restrict value = f->value + v * f->nvalues + (long)f->slot[batch] * LANES;
         double own[LANES];
@@ -131,7 +137,7 @@ bool calm_batch(const struct fit *f, int batch, const double *const *U) {
         for (long i = 0; i < n; i += LANES)
             for (int l = 0; l < LANES; l++) value[i + l] = own[l];
     }
-    memset(c->uniform + first, 1, LANES);
+    if (c) memset(c->uniform + first, uniform, LANES);
     return true;
 }
 

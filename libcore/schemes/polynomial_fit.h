@@ -66,6 +66,7 @@ struct fit {
     double *held;           /* of fit_hold: the values of a batch; NULL */
     const double *rest[MAX_VAR], *near; /* of fit_rest, or NULL */
     struct calm *calm;                  /* of fit_watch, or NULL */
+    const unsigned char *spared;        /* of fit_spare, or NULL */
     struct ahead *ahead;
     double least, most; /* of fit_keep; most 0: no density is kept in between */
     int *place[2];      /* [points] where a face point's value in the left and in the right cell stands */
@@ -80,8 +81,8 @@ void entries_free(struct entries *r);
 void ahead_list(const struct fit *f, int batch);
 void ahead_ask(const struct fit *f);
 
-/* Are the stencils of all cells of a batch known to be uniform? Then does what its fit would do: their polynomials are
- * constants. */
+/* Are the stencils of all cells of a batch known to be uniform, or all cells spared? Then makes their polynomials
+ * constants, as the fit of uniform cells does. */
 bool calm_batch(const struct fit *f, int batch, const double *const *U);
 void calm_free(struct calm *c);
 

@@ -56,12 +56,11 @@ static int by_place(const void *a, const void *b) {
     return (p->cell > q->cell) - (p->cell < q->cell);
 }
 
-/* Walks breadth first from cell `start` through my cells that bear a mark; gives them another one, lists them in order.
- * Returns how many. */
-static int walk(const struct links *l, int *marks, int start, int mark, int other, int *order) {
-    int in = 0, image;
-    order[in++] = start;
-    marks[start] = other;
+/* Walks breadth first from the first `in` cells of `order` through my cells that bear a mark; gives them another one,
+ * lists them in order. Returns how many. */
+static int walk(const struct links *l, int *marks, int in, int mark, int other, int *order) {
+    int image;
+    for (int i = 0; i < in; i++) marks[order[i]] = other;
     for (int out = 0; out < in; out++)
         for (int c = order[out], k = l->cell_start[c]; k < l->cell_start[c + 1]; k++) {
             const int to = links_cross(l, l->cell_link[k], 0, &image);
@@ -72,15 +71,51 @@ static int walk(const struct links *l, int *marks, int start, int mark, int othe
     return in;
 }
 
+/* The polyMesh face of entry k of cell_link. */
+static int face_at(const struct links *l, int k) {
+    const int code = l->cell_link[k], link = code < 0 ? ~code : code;
+    return code < 0 && l->twin[link] >= 0 ? l->twin[link] : l->face[link];
+}
+
+/* Extends a range [low, high] by the centres of a cell's faces along an axis. */
+static void reach(const struct links *l, int cell, int axis, double range[2]) {
+    for (int k = l->cell_start[cell]; k < l->cell_start[cell + 1]; k++) {
+        const double x = l->face_centre[3L * face_at(l, k) + axis];
+        range[0] = x < range[0] ? x : range[0];
+        range[1] = x > range[1] ? x : range[1];
+    }
+}
+
+/* Moves those of n listed cells to the front that lie at the upper end of the axis along which they reach farthest;
+ * returns how many. A walk from there goes in fronts as short as the mesh is wide; under gravity they are level, as
+ * beds are. */
+static int begin_at_end(const struct links *l, int n, int *order) {
+    double length = -1, end = 0;
+    int axis = 0, in = 0;
+    for (int a = 0; a < l->dim; a++) {
+        double range[2] = {HUGE_VAL, -HUGE_VAL};
+        for (int i = 0; i < n; i++) reach(l, order[i], l->axis[a], range);
+        if (range[1] - range[0] < length) continue;
+        axis = l->axis[a];
+        length = range[1] - range[0];
+        end = range[1] - 1e-6 * length;
+    }
+    for (int i = 0; i < n; i++) {
+        double range[2] = {HUGE_VAL, -HUGE_VAL};
+        reach(l, order[i], axis, range);
+        if (range[1] >= end) order[in++] = order[i];
+    }
+    return in;
+}
+
 /* The area of the faces of a cell over its volume, in the plane of round meshes: the rate of sound in it per speed. */
 static double rate_of(const struct links *l, int cell) {
     const double *middle = NULL;
     double area = 0, volume = 0;
     for (int k = l->cell_start[cell]; k < l->cell_start[cell + 1]; k++) {
-        const int code = l->cell_link[k], link = code < 0 ? ~code : code;
-        const bool twin = code < 0 && l->twin[link] >= 0;
-        const int face = twin ? l->twin[link] : l->face[link];
-        const double *A = l->face_area + 3L * face, *x = l->face_centre + 3L * face, sign = code < 0 && !twin ? -1 : 1;
+        const int face = face_at(l, k), code = l->cell_link[k];
+        const double *A = l->face_area + 3L * face, *x = l->face_centre + 3L * face;
+        const double sign = code < 0 && l->twin[~code] < 0 ? -1 : 1;
         double square = 0;
         if (!middle) middle = x;
         for (int a = 0; a < l->dim; a++) {
@@ -115,15 +150,17 @@ static status sort_sizes(const struct work *w, int n, int *order) {
 }
 
 /* Numbers my cells, those that wait last, in the order of their sizes if that is wanted, and of walks through each part
- * of them that hangs together. A walk starts at the end of another one, at the rim: so the neighbours of a cell stand
- * little before or behind it. */
+ * of them that hangs together. A walk starts at an end of it: so the neighbours of a cell stand little before or behind
+ * it. */
 static status number_mine(struct polyhedra *m, struct work *w) {
     int *order, n = 0, first = 0;
     TRY(allocate(&order, m->nown, sizeof *order, "the cells"));
     for (int k = 0; k < m->nown; k++)
         if (w->local[w->mine[k]] == MINE) {
-            const int last = first + walk(&w->links, w->local, w->mine[k], MINE, WALKED, order + first) - 1;
-            first += walk(&w->links, w->local, order[last], WALKED, ORDERED, order + first);
+            order[first] = w->mine[k];
+            const int here = walk(&w->links, w->local, 1, MINE, WALKED, order + first);
+            const int begin = begin_at_end(&w->links, here, order + first);
+            first += walk(&w->links, w->local, begin, WALKED, ORDERED, order + first);
         }
     status e = w->sized && m->nown ? sort_sizes(w, m->nown, order) : OK;
     for (int waits = 0; waits < 2; waits++) {

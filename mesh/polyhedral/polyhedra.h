@@ -3,13 +3,14 @@
  * with quadrature points, the halo. Any polyMesh in 1D to 3D will do; where a mesh has `empty` patches only the solved
  * axes are kept, and volumes and areas are per thickness. All vectors are in computational axes (axis[]).
  *
- * Numbering on a rank: cells 0 <= i < nown are mine, breadth first, whatever the order of the polyMesh, so that cells
- * that share a face stand near each other; those from ninner on read values of other ranks in a stage. Then
- * come ghosts, cells of other ranks: first those across my faces (< nnear), whose polynomials this rank computes, too,
- * then those that only stencils read (< ncells). Then come mirror cells (< size), whose values the boundary conditions
- * give: one per boundary face of my cells, then one per boundary face of near ghosts, whose stencils need them. A rank
- * may have no cells. Lists within a cell or face are in an order that does not depend on the ranks, so the results do
- * not either. Arrays of components are [component][size or so], each component in one line. */
+ * Numbering on a rank: cells 0 <= i < nown are mine, breadth first from the end of their longest axis, whatever the
+ * order of the polyMesh, so that cells that share a face stand near each other; those from ninner on read values of
+ * other ranks in a stage. Then come ghosts, cells of other ranks: first those across my faces (< nnear), whose
+ * polynomials this rank computes, too, then those that only stencils read (< ncells). Then come mirror cells (< size),
+ * whose values the boundary conditions give: one per boundary face of my cells, then one per boundary face of near
+ * ghosts, whose stencils need them. A rank may have no cells. Lists within a cell or face are in an order that does
+ * not depend on the ranks, so the results do not either. Arrays of components are [component][size or so], each
+ * component in one line. */
 #ifndef MESH_POLYHEDRA_H
 #define MESH_POLYHEDRA_H
 

@@ -3,7 +3,7 @@
  * at the face points, jumps, strong shocks, units, moving observers, the same bits whatever the batches. */
 #include "tests/simplices.h"
 
-#include "libcore/schemes/polynomial.h"
+#include "libcore/schemes/polynomial_fit.h"
 #include "mesh/polyhedral/polyhedra.h"
 
 #include "tests/checks.h" /* last */
@@ -506,6 +506,35 @@ static void pieces_do_not_matter(void **state) {
     }
 }
 
+/* Batches of spared cells have their averages as values; all others keep their fits. */
+static void spared_cells_have_their_averages(void **state) {
+    (void)state;
+    for (int k = 0; k < polynomial_count; k++) {
+        struct subject s, t;
+        const int kept = 100;
+        unsigned char *spared;
+        subject_make(&s, TRIANGLES, 11, 1, 0.2, polynomial_table[k].model.name);
+        subject_make(&t, TRIANGLES, 11, 1, 0.2, polynomial_table[k].model.name);
+        average(&s, waves);
+        average(&t, waves);
+        const struct polyhedra *m = t.polyhedra;
+        ok(allocate(&spared, m->nnear, 1, "spared"));
+        memset(spared, 1, (size_t)m->nnear);
+        spared[kept] = 0;
+        fit_spare(t.fit, spared);
+        values(&s);
+        values(&t);
+        for (int p = 0; p < m->point.n; p++) {
+            const int cell = m->face.left[m->point.face[p]];
+            for (int v = 0; v < m->dim + 2; v++)
+                assert_true(t.value[0][v][p] == (cell / LANES == kept / LANES ? s.value[0][v][p] : t.average[v][cell]));
+        }
+        free(spared);
+        subject_free(&t);
+        subject_free(&s);
+    }
+}
+
 static double cliff(const double x[3]) { /* falls tenfold from cell to cell */
     const double fall = 1 / (1 + 4e6 * x[0] * x[0] * x[0] * x[0] * x[0] * x[0]);
     return fall * fall + 1e-9;
@@ -574,6 +603,7 @@ int main(int argc, char **argv) {
                                        cmocka_unit_test(observers_do_not_matter),
                                        cmocka_unit_test(shocks_cool_nothing),
                                        cmocka_unit_test(pieces_do_not_matter),
+                                       cmocka_unit_test(spared_cells_have_their_averages),
                                        cmocka_unit_test(turns_do_not_matter)};
     ok(comm_start(&argc, &argv, &comm));
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -86,7 +86,7 @@ static void faces_follow_cells(void **state) {
     }
 }
 
-/* Of 40 x 40 cells in three blocks none is further from a neighbour than two diagonals hold. */
+/* Of 40 x 40 cells in three blocks none is further from a neighbour than two fronts hold. */
 static void neighbours_stand_near(void **state) {
     (void)state;
     static const struct cells_recipe recipe = {"quads", 2, BOXES, {40, 40, 1}, {0, 1, 2}, 0.2, {false}};
@@ -94,6 +94,17 @@ static void neighbours_stand_near(void **state) {
     ok(polyhedra_make(x.mesh, world, 1, &x.m));
     assert_true(x.m->nblocks > 1 && x.m->face.nlocal == 2 * 39 * 40);
     for (int f = 0; f < x.m->face.nlocal; f++) assert_true(abs(x.m->face.left[f] - x.m->face.right[f]) <= 2 * 40);
+    end(&x);
+}
+
+/* The walk through 6 x 20 cells goes row by row from the end of the longer axis. */
+static void fronts_are_straight(void **state) {
+    (void)state;
+    static const struct cells_recipe recipe = {"quads", 2, BOXES, {6, 20, 1}, {0, 1, 2}, 0.2, {false}};
+    struct fixture x = {&recipe, cells_make(&recipe), NULL};
+    ok(polyhedra_make(x.mesh, world, 1, &x.m));
+    assert_int_equal(x.m->nown, 6 * 20);
+    for (int i = 0; i < x.m->nown; i++) assert_int_equal((int)(x.m->centre[1][i] / 0.2), 19 - i / 6);
     end(&x);
 }
 
@@ -526,6 +537,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(axes_and_sizes),
         cmocka_unit_test(faces_follow_cells),
         cmocka_unit_test(neighbours_stand_near),
+        cmocka_unit_test(fronts_are_straight),
         cmocka_unit_test(cells_are_closed),
         cmocka_unit_test(centres_are_centroids),
         cmocka_unit_test(moments_of_simplices),
