@@ -103,7 +103,7 @@ const double *cells_kept(const struct gas *g) {
     return g->step.hybrid && !g->limits.flags.blocks[0] && m->point.n == m->face.n ? g->dense->part[0] : NULL;
 }
 
-/* The fluxes through patches of frozen cells are read by none, either. */
+/* Through patches the bed finds its fluxes itself. */
 static bool lies_deep(const struct polyhedra *m, const double *part, int i) {
     bool deep = part[i] >= BED_FROZEN;
     for (int j = m->face_start[i]; j < m->face_start[i + 1] && deep; j++) {
