@@ -350,15 +350,22 @@ ALWAYS_INLINE void heat_faces(int dim, const struct face_batch *f, double *const
     }
 }
 
+/* gradient: NULL where no face is oblique. */
+ALWAYS_INLINE void heat_of_faces(int dim, const struct face_batch *f, double *const *S, double *const *gradient,
+                                 double *restrict out) {
+    if (dim > 1 && gradient)
+        heat_faces(dim, f, S, gradient, out);
+    else
+        heat_faces(0, f, S, NULL, out);
+}
+
 #define FACES(dim, m)                                                                                                  \
     KERNEL static void faces_##dim##_##m(enum diffusing what, const struct face_batch *f, double *const *S,            \
                                          double *const *gradient, double *const *out) {                                \
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, m, false, f, S, gradient, out);                                                         \
-        else if (dim > 1 && gradient)                                                                                  \
-            heat_faces(dim, f, S, gradient, out[0]);                                                                   \
         else                                                                                                           \
-            heat_faces(0, f, S, NULL, out[0]);                                                                         \
+            heat_of_faces(dim, f, S, gradient, out[0]);                                                                \
     }
 FACES(1, 1)
 FACES(1, 2)
@@ -371,10 +378,8 @@ FACES(3, 3)
                                                double *const *gradient, double *const *out) {                          \
         if (what == VISCOUS)                                                                                           \
             viscous_faces(dim, m, true, f, S, gradient, out);                                                          \
-        else if (dim > 1 && gradient)                                                                                  \
-            heat_faces(dim, f, S, gradient, out[0]);                                                                   \
         else                                                                                                           \
-            heat_faces(0, f, S, NULL, out[0]);                                                                         \
+            heat_of_faces(dim, f, S, gradient, out[0]);                                                                \
     }
 ROUND_FACES(1, 1)
 ROUND_FACES(1, 2)

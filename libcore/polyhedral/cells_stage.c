@@ -310,9 +310,8 @@ static bool is_idle(const struct idle *idle, int l, int r) {
 static int wanted_end(const struct gas *g, int first, int last, int *from) {
     enum { IDLE = 16 }; /* fewer cost less than a shorter batch */
     const struct polyhedra_faces *f = &g->cells->polyhedra->face;
-    const bool single = g->cells->polyhedra->point.n == f->n, bed = g->step.hybrid && !g->limits.flags.blocks[0];
-    const struct idle idle = {cells_kept(g), bed ? NULL : fit_still(g->cells->fit)};
-    const bool some = idle.part || idle.still, whole = single || whole_faces(g);
+    const struct idle idle = {cells_kept(g), fit_still(g->cells->fit)};
+    const bool some = idle.part || idle.still, whole = g->cells->polyhedra->point.n == f->n || whole_faces(g);
     int end, n = 0;
     while (some && first < last && is_idle(&idle, f->left[first], f->right[first])) first++;
     *from = first;

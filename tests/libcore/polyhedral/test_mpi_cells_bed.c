@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The bed of implicit acoustics on polyhedra: nothing of an earlier bed is left in a later one, on any rank. */
-#include "tests/libcore/polyhedral/scene.h"
+/* The bed of implicit acoustics on polyhedra, on any rank: nothing of an earlier bed is left in a later one, and no
+ * flux that a stage finds reads a polynomial that it left out. */
+#include "libcore/polyhedral/cells.h"
+
+#include "tests/libcore/polyhedral/scene.h" /* last: cmocka.h defines fail() */
 
 static const struct cells_recipe quads = {"quads", 2, BOXES, {48, 40, 1}, {0, 1, 2}, 0.2, {false, false, false}};
 static double edge; /* of the dense part, of the length */
@@ -50,9 +53,30 @@ static void beds_forget_earlier_ones(void **state) {
     close_scene(&moved);
 }
 
+static void spared_cells_lie_among_frozen_ones(void **state) {
+    (void)state;
+    struct scene s;
+    long spared = 0;
+    edge = 0.3;
+    open_dense(&s);
+    free(step_from_start(&s));
+    const struct polyhedra *m = s.gas->cells->polyhedra;
+    const double *part = s.gas->dense->part[0];
+    for (int i = 0; i < m->nown; i++) spared += s.gas->cells->spared[i];
+    for (int f = 0; f < m->face.ninternal; f++) {
+        const int cell[2] = {m->face.left[f], m->face.right[f]};
+        const bool frozen = part[cell[0]] >= BED_FROZEN && part[cell[1]] >= BED_FROZEN;
+        for (int side = 0; side < 2; side++) assert_true(frozen || !s.gas->cells->spared[cell[side]]);
+    }
+    comm_sum_long(world, &spared, 1);
+    assert_true(2 * spared > s.cells); /* 0.7 are dense */
+    close_scene(&s);
+}
+
 int main(int argc, char **argv) {
     ok(comm_start(&argc, &argv, &world));
-    const struct CMUnitTest tests[] = {cmocka_unit_test(beds_forget_earlier_ones)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(beds_forget_earlier_ones),
+                                       cmocka_unit_test(spared_cells_lie_among_frozen_ones)};
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);
     return failed;
