@@ -1,19 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Steps beside a bed (libcore/step). Their scheme has few stages; if the limiter cannot mend one of these, SSPRK43 does
  * the step at once, with the same dt; half of dt follows only if that fails, too. Diffusion takes all of dt at once. */
+#include "libcore/gas/gas_private.h"
+
 #include "tests/defaults.h"
 #include "tests/libcore/scene.h" /* last: cmocka.h defines fail() */
 
 static struct comm *world;
 
-static void open_line(struct scene *s, const char *acoustics, const char *transport) {
+static void open_line(struct scene *s, const char *reconstruct, const char *acoustics, const char *transport) {
     memset(s, 0, sizeof *s);
     s->models = (struct gas_models){
         .material = {.diameter = 0.1, .mass = 1, .restitution = 1, .gamma = 5. / 3, .alpha_max = 0.65},
         .eos = eos_find("TorquatoSpheres"),
         .flux = flux_find("common"),
         .flux_params = own_defaults(&flux_find("common")->model),
-        .reconstruct = reconstruct_find("PHM"),
+        .reconstruct = reconstruct_find(reconstruct),
         .stepper = stepper_find("SSPRK43"),
         .acoustics = acoustics_find(acoustics),
         .acoustics_params = own_defaults(&acoustics_find(acoustics)->model),
@@ -51,12 +53,13 @@ static void start(struct scene *s, double rho, double speed, double warmer) {
     free(all);
 }
 
-/* Makes a step with a bed; returns its planned dt. */
-static double step_with_bed(struct scene *s, double *dt) {
+/* Makes a step with a bed, that share of the planned dt long; returns the planned one. */
+static double step_with_bed(struct scene *s, double share, double *dt) {
     struct gas_speed speed;
     const char *limit;
     gas_speed(s->gas, &speed);
-    const double planned = *dt = gas_bed_step(s->gas, 1, &speed, HUGE_VAL, &limit);
+    const double planned = gas_bed_step(s->gas, 1, &speed, HUGE_VAL, &limit);
+    *dt = share * planned;
     assert_true(planned > 0);
     ok(gas_step(s->gas, 0, dt, 1, 0, 1e-3, &speed));
     assert_int_equal(gas_counts(s->gas).beds, 1);
@@ -67,9 +70,9 @@ static double step_with_bed(struct scene *s, double *dt) {
 static void meet(double rho, int rejected, double share) {
     struct scene s;
     double dt;
-    open_line(&s, "implicit", NULL);
+    open_line(&s, "PHM", "implicit", NULL);
     start(&s, rho, 1, 0);
-    const double planned = step_with_bed(&s, &dt);
+    const double planned = step_with_bed(&s, 1, &dt);
     assert_int_equal(gas_counts(s.gas).rejected, rejected);
     assert_true(dt == share * planned);
     close_scene(&s);
@@ -82,6 +85,30 @@ static void steps_beside_beds_fall_back_to_more_stages(void **state) {
     meet(800, 0, 1);
     meet(905, 1, 1);
     meet(970, 2, 0.5);
+}
+
+/* Returns how many stages a step of that share of the planned dt has, at which the Courant number of the gas is 1/2. */
+static int stages_of(const char *reconstruct, double share) {
+    struct scene s;
+    double dt;
+    open_line(&s, reconstruct, "implicit", NULL);
+    start(&s, 90, 0, 0.2);
+    step_with_bed(&s, share, &dt);
+    assert_float_equal(s.gas->dense->beside * dt, 0.5 * share, 1e-12);
+    long updates = s.gas->counts.all;
+    comm_sum_long(world, &updates, 1);
+    assert_int_equal(updates % s.cells, 0);
+    const int stages = (int)(updates / s.cells);
+    close_scene(&s);
+    return stages;
+}
+
+static void steps_beside_beds_have_as_few_stages_as_are_stable(void **state) {
+    (void)state;
+    assert_int_equal(stages_of("PHM", 1), 2);
+    assert_int_equal(stages_of("WPENO5", 1), 3);
+    assert_int_equal(stages_of("WPENO5", 0.81), 3);
+    assert_int_equal(stages_of("WPENO5", 0.79), 2);
 }
 
 /* Advances gas without beds by dt, in explicit steps. */
@@ -101,12 +128,12 @@ static void steps_beside_beds_conduct_for_all_of_dt(void **state) {
     double *U[3], dt = 0, moved = 0, off = 0;
     for (int i = 0; i < 3; i++) {
         struct scene s;
-        open_line(&s, i ? "explicit" : "implicit", i < 2 ? "GarzoDufty" : NULL);
+        open_line(&s, "PHM", i ? "explicit" : "implicit", i < 2 ? "GarzoDufty" : NULL);
         start(&s, 90, 0, 0.2);
         if (i)
             go_to(&s, dt);
         else
-            step_with_bed(&s, &dt);
+            step_with_bed(&s, 1, &dt);
         U[i] = state_of(&s, world);
         close_scene(&s);
     }
@@ -122,6 +149,7 @@ static void steps_beside_beds_conduct_for_all_of_dt(void **state) {
 int main(int argc, char **argv) {
     ok(comm_start(&argc, &argv, &world));
     const struct CMUnitTest tests[] = {cmocka_unit_test(steps_beside_beds_fall_back_to_more_stages),
+                                       cmocka_unit_test(steps_beside_beds_have_as_few_stages_as_are_stable),
                                        cmocka_unit_test(steps_beside_beds_conduct_for_all_of_dt)};
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     comm_finish(world);
